@@ -1,0 +1,67 @@
+# What every target of Farfield shares: language level, warnings, floating-point rules, ccache and mold where present.
+
+set(CMAKE_CXX_STANDARD 20)
+set(CMAKE_CXX_STANDARD_REQUIRED ON)
+set(CMAKE_CXX_EXTENSIONS OFF)
+set(CMAKE_POSITION_INDEPENDENT_CODE ON)
+set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
+set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/bin)
+
+find_program(FF_CCACHE ccache)
+if(FF_CCACHE)
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${FF_CCACHE})
+endif()
+find_program(FF_MOLD mold)
+if(FF_MOLD)
+  add_link_options(-fuse-ld=mold)
+endif()
+
+# Baseline of the binaries. Hot kernels choose AVX2 or AVX-512 at run time through Highway.
+add_compile_options(-march=x86-64-v2 -ffp-contract=off)
+
+set(FF_WARNINGS -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion -Wnon-virtual-dtor
+                -Woverloaded-virtual -Wno-missing-field-initializers -Werror)
+
+# ff_module(NAME DEPS target... [PRIVATE_DEPS target...])
+# The library of engine/NAME: every .cpp of the folder, alias Farfield::NAME.
+function(ff_module name)
+  cmake_parse_arguments(ARG "" "" "DEPS;PRIVATE_DEPS" ${ARGN})
+  file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp)
+  set(target ff_${name})
+  if(sources)
+    add_library(${target} STATIC ${sources})
+    target_include_directories(${target} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>
+                                                $<INSTALL_INTERFACE:include/farfield>)
+    target_link_libraries(${target} PUBLIC ${ARG_DEPS} PRIVATE ${ARG_PRIVATE_DEPS})
+    target_compile_options(${target} PRIVATE ${FF_WARNINGS})
+  else()
+    add_library(${target} INTERFACE)
+    target_include_directories(${target} INTERFACE $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>
+                                                   $<INSTALL_INTERFACE:include/farfield>)
+    target_link_libraries(${target} INTERFACE ${ARG_DEPS})
+  endif()
+  set_target_properties(${target} PROPERTIES EXPORT_NAME ${name})
+  add_library(Farfield::${name} ALIAS ${target})
+  set_property(GLOBAL APPEND PROPERTY FF_INSTALLED_MODULES ${target})
+endfunction()
+
+# ff_test(NAME SOURCES file... DEPS target... [TIMEOUT seconds] [LABELS label...])
+# A GoogleTest executable; every TEST in it becomes one CTest test.
+function(ff_test name)
+  cmake_parse_arguments(ARG "" "TIMEOUT" "SOURCES;DEPS;LABELS" ${ARGN})
+  if(NOT ARG_TIMEOUT)
+    set(ARG_TIMEOUT 120)
+  endif()
+  add_executable(${name} ${ARG_SOURCES})
+  target_link_libraries(${name} PRIVATE ${ARG_DEPS} GTest::gtest_main)
+  target_compile_options(${name} PRIVATE ${FF_WARNINGS})
+  gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST PROPERTIES TIMEOUT ${ARG_TIMEOUT} LABELS "${ARG_LABELS}")
+endfunction()
+
+# ff_bench(NAME SOURCES file... DEPS target...): a Google Benchmark program; CTest never times it.
+function(ff_bench name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;DEPS" ${ARGN})
+  add_executable(${name} ${ARG_SOURCES})
+  target_link_libraries(${name} PRIVATE ${ARG_DEPS} benchmark::benchmark_main)
+  target_compile_options(${name} PRIVATE ${FF_WARNINGS})
+endfunction()

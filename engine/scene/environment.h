@@ -1,0 +1,24 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "engine/math/types.h"
+
+namespace ff::scene {
+
+/// Sun, sky and air, as shading reads them.
+struct Environment {
+    Vec3 to_sun{0.45f, 0.62f, 0.64f};      ///< unit, world
+    Vec3 sun_radiance{1.0f};               ///< linear RGB; times cos and albedo gives the lit colour
+    Vec3 sky_zenith{0.20f, 0.42f, 0.80f};  ///< linear RGB
+    Vec3 sky_horizon{0.70f, 0.80f, 0.90f};
+    Vec3 ground_bounce{0.18f, 0.16f, 0.13f};  ///< light from below
+    float fog_density_per_m = 0.0f;           ///< 0: none; colour is the horizon's
+    /// Equirectangular sky instead of the gradient, where given: RGBA16F, width x height, row 0 at the zenith, column 0
+    /// looking north (-z), growing to the east.
+    std::uint32_t panorama_width = 0, panorama_height = 0;
+    std::span<const std::uint16_t> panorama;
+};
+
+}  // namespace ff::scene
