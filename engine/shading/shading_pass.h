@@ -1,0 +1,37 @@
+#pragma once
+// Shades each pixel once, whoever found it: from the visibility buffer to colour. The same model as
+// shaders/shading.glsl, which the rasteriser uses; tests compare the two.
+
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "engine/farfield/visibility_buffer.h"
+#include "engine/math/camera.h"
+#include "engine/scene/static_scene.h"
+
+namespace ff::shading {
+
+/// An image on its way to the screen or a file: RGBA8, sRGB, r in the low byte, row 0 at the top.
+struct Image {
+    int width = 0, height = 0;
+    int stride = 0;  ///< pixels a row, as VisibilityBuffer::stride
+    std::vector<std::uint32_t> pixels;
+
+    void resize(int new_width, int new_height);
+};
+
+struct ShadeSettings {
+    /// Beyond this depth a triangle has its one prelit mean colour (P1 4.6) instead of textures. Metres; +inf: never.
+    float prelit_beyond_m = std::numeric_limits<float>::infinity();
+};
+
+/// Colours the pixels that the tiles ask for; all of them must be resolved or sky. Parallel over tiles.
+/// @param dynamic  instances that the visibility buffer names by id instance_count + i; meshes of the scene.
+/// @return pixels shaded.
+std::uint64_t shade_tiles(const scene::StaticScene& scene, std::span<const scene::Instance> dynamic,
+                          const PinholeView& view, const farfield::VisibilityBuffer& visibility,
+                          std::span<const farfield::TileRequest> tiles, const ShadeSettings& settings, Image& out);
+
+}  // namespace ff::shading

@@ -1,0 +1,66 @@
+#pragma once
+// What the importers hand to the assembly: a world as plain arrays, before cells, BVHs and packs.
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "engine/scene/environment.h"
+#include "engine/scene/scene_data.h"
+
+namespace ff::cook {
+
+/// A decoded image, power-of-two sized. Two textures of the same bytes and wraps are one: `content_hash` tells.
+struct SourceTexture {
+    std::string name;  ///< for messages: file and place
+    std::string content_hash;
+    std::uint32_t width = 0, height = 0;
+    std::vector<std::uint32_t> rgba;  ///< RGBA8 sRGB, top row first
+    scene::Wrap wrap_u = scene::Wrap::repeat, wrap_v = scene::Wrap::repeat;
+};
+
+struct SourceMesh {
+    std::string name;
+    scene::MeshSource geometry;  ///< triangle_materials index WorldSource::materials
+};
+
+enum class PlacementKind : std::uint8_t {
+    merge,     ///< static and once: its triangles go into the cells they stand in
+    instance,  ///< static and many: stays a mesh of its own
+    dynamic,   ///< may move at run time
+};
+
+struct Placement {
+    std::uint32_t mesh = 0;  ///< WorldSource::meshes
+    DVec3 position{0.0};
+    Mat3 world_from_mesh{1.0f};
+    PlacementKind kind = PlacementKind::merge;
+};
+
+/// Frames of a camera path (formats.md, Walkthroughs).
+struct WalkFrame {
+    DVec3 position{0.0};
+    double yaw_deg = 0, pitch_deg = 0, roll_deg = 0;
+};
+struct SourceWalk {
+    std::string name;
+    double fov_deg = 60.0;
+    double rate_hz = 30.0;
+    std::vector<WalkFrame> frames;
+};
+
+struct WorldSource {
+    std::string name;
+    std::vector<SourceTexture> textures;
+    std::vector<scene::Material> materials;  ///< texture ids index `textures`
+    std::vector<SourceMesh> meshes;
+    std::vector<Placement> placements;
+    scene::Environment environment;
+    std::vector<std::uint16_t> sky_panorama;  ///< see Environment::panorama
+    DVec3 spawn_position{0.0};
+    double spawn_yaw_deg = 0.0;
+    std::vector<SourceWalk> walks;
+    std::uint64_t bytes_in = 0;  ///< of all source files read
+};
+
+}  // namespace ff::cook
