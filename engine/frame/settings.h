@@ -1,0 +1,33 @@
+#pragma once
+
+#include <limits>
+#include <optional>
+
+namespace ff::frame {
+
+/// How whole frames are drawn; the tool's --mode.
+enum class Mode {
+    hybrid,   ///< this engine: near field, horizon, panorama, casts
+    raster,   ///< everything through OpenGL, frustum culled
+    raycast,  ///< every pixel through Embree
+    near,     ///< OpenGL with the far plane at the near distance
+};
+
+enum class CasterKind { beam, embree, grid };
+enum class OpacityKind { automatic, software, readback };
+
+/// What a user may choose about a frame. Defaults draw exact frames as fast as the machine can.
+struct FrameSettings {
+    Mode mode = Mode::hybrid;
+    CasterKind caster = CasterKind::beam;
+    double budget_ms = 0.0;              ///< 0: no limit, every pixel is right; else accuracy is given up to keep it
+    std::optional<double> fixed_near_m;  ///< instead of the controller's choice; [0, inf)
+    float max_parallax_px = 0.5f;        ///< a panorama texel is reused up to this predicted parallax. [0, 16]
+    float prelit_beyond_m = std::numeric_limits<float>::infinity();  ///< P1 4.6; metres
+    OpacityKind opacity = OpacityKind::automatic;
+    bool use_panorama = true;
+    bool use_horizon = true;
+    bool deterministic = false;  ///< decide from recorded costs, so that the same inputs give the same bits
+};
+
+}  // namespace ff::frame

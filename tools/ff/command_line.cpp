@@ -1,0 +1,148 @@
+#include <CLI/CLI.hpp>
+#include <cstdio>
+
+#include "engine/core/jobs.h"
+#include "engine/core/log.h"
+#include "tools/ff/commands.h"
+
+namespace ff::tool {
+namespace {
+
+const std::map<std::string, frame::Mode> kModes{{"hybrid", frame::Mode::hybrid},
+                                                {"raster", frame::Mode::raster},
+                                                {"raycast", frame::Mode::raycast},
+                                                {"near", frame::Mode::near}};
+const std::map<std::string, frame::CasterKind> kCasters{
+    {"beam", frame::CasterKind::beam}, {"embree", frame::CasterKind::embree}, {"grid", frame::CasterKind::grid}};
+const std::map<std::string, frame::OpacityKind> kOpacityKinds{{"auto", frame::OpacityKind::automatic},
+                                                              {"software", frame::OpacityKind::software},
+                                                              {"readback", frame::OpacityKind::readback}};
+
+/// WIDTHxHEIGHT, both in [16, 8192].
+std::string parse_size(const std::string& text, ImageSize& size) {
+    int width = 0, height = 0;
+    char rest = 0;
+    if (std::sscanf(text.c_str(), "%dx%d%c", &width, &height, &rest) != 2 || width < 16 || width > 8192 ||
+        height < 16 || height > 8192)
+        return "--size: '" + text + "' is not WIDTHxHEIGHT with both from 16 to 8192, as 640x480";
+    size = {width, height};
+    return {};
+}
+
+void add_view_options(CLI::App& app, ViewOptions& view, bool with_mode) {
+    app.add_option("PACK", view.pack, "A .ffpack; or a scene.toml, .gltf or .glb, which is cooked into the cache first")
+        ->required();
+    app.add_option("--walk", view.walk, "Walkthrough: a name that the pack has, or a .walk.json file")
+        ->capture_default_str();
+    app.add_option_function<std::string>(
+        "--size",
+        [&view](const std::string& text) {
+            if (const std::string error = parse_size(text, view.size); !error.empty())
+                throw CLI::ValidationError(error);
+        },
+        "Image size in pixels, WIDTHxHEIGHT (640x480)");
+    app.add_option("--threads", view.threads, "Worker threads; 0: as many as the machine has")
+        ->check(CLI::Range(0, 1024));
+    auto& settings = view.frame;
+    if (with_mode)
+        app.add_option("--mode", settings.mode, "How frames are drawn: hybrid, raster, raycast or near")
+            ->transform(CLI::CheckedTransformer(kModes, CLI::ignore_case).description(""));
+    app.add_option("--budget-ms", settings.budget_ms,
+                   "Keep frames within this time by giving up accuracy; 0: exact frames")
+        ->check(CLI::Range(0.0, 1e5));
+    app.add_option("--caster", settings.caster, "Who answers what is left over in hybrid: beam, embree or grid")
+        ->transform(CLI::CheckedTransformer(kCasters, CLI::ignore_case).description(""));
+    app.add_option("--near-m", settings.fixed_near_m,
+                   "Near distance in metres instead of the controller's choice; 0: no near field")
+        ->check(CLI::Range(0.0, 1e6));
+    app.add_option("--max-parallax-px", settings.max_parallax_px,
+                   "A panorama texel is reused up to this predicted parallax")
+        ->check(CLI::Range(0.0, 16.0));
+    app.add_option("--prelit-beyond-m", settings.prelit_beyond_m, "Beyond this depth triangles have one prelit colour")
+        ->check(CLI::Range(0.0, 1e9));
+    app.add_option("--opacity", settings.opacity, "Opacity buffer: auto, software or readback")
+        ->transform(CLI::CheckedTransformer(kOpacityKinds, CLI::ignore_case).description(""));
+    app.add_flag("--no-panorama{false}", settings.use_panorama, "Never reuse the panoramic cache");
+    app.add_flag("--no-horizon{false}", settings.use_horizon, "Cast sky pixels like all others");
+    app.add_flag("--deterministic", settings.deterministic, "Decide from recorded costs instead of measured ones");
+}
+
+}  // namespace
+
+int run(int argc, const char* const* argv) {
+    CLI::App app{"Farfield: cook a world, walk through it, draw to the horizon."};
+    app.name("ff");
+    app.require_subcommand(1);
+    app.set_version_flag("--version", "ff " FF_VERSION);
+
+    CookOptions cook;
+    auto* cook_app = app.add_subcommand("cook", "Cook a scene.toml, .gltf or .glb into a pack");
+    cook_app->add_option("SOURCE", cook.source, "scene.toml, .gltf or .glb")->required();
+    cook_app->add_option("-o,--output", cook.output, "The pack to write, NAME.ffpack")->required();
+    cook_app->add_option("--scale", cook.scale, "Make about N times the triangles of the source")
+        ->check(CLI::Range(1.0, 1000.0));
+    cook_app->add_option("--jobs", cook.jobs, "Worker threads; 0: as many as the machine has")
+        ->check(CLI::Range(0, 1024));
+    cook_app->add_option("--cache", cook.cache_dir, "Folder of the cook cache; default: the user's cache folder");
+    cook_app->add_flag("--json", cook.json, "Print the report as one JSON object on stdout");
+
+    InfoOptions info;
+    auto* info_app = app.add_subcommand("info", "Say what a pack holds");
+    info_app->add_option("PACK", info.pack, "A .ffpack, or a source")->required();
+    info_app->add_flag("--json", info.json, "Print one JSON object on stdout");
+
+    RenderOptions render;
+    auto* render_app = app.add_subcommand("render", "Draw one frame of a walkthrough into an image");
+    add_view_options(*render_app, render.view, true);
+    render_app->add_option("--frame", render.frame, "Frame of the walkthrough, from 0")->check(CLI::Range(0, 1000000));
+    render_app->add_option("--debug", render.debug_view, "Draw a debug view instead: sources, age or border")
+        ->check(CLI::IsMember({"sources", "age", "border"}));
+    render_app->add_option("-o,--output", render.output, "Image to write (.png, .exr, .jpg ...)")->required();
+
+    WalkOptions walk;
+    bool window = false, headless = false;
+    auto* walk_app = app.add_subcommand("walk", "Walk through a world, in a window or headless into files");
+    add_view_options(*walk_app, walk.view, true);
+    walk_app->add_option("--out", walk.out, "Folder for frames, video and stats.json")->capture_default_str();
+    walk_app->add_flag("--video", walk.video, "Also write a video (needs ffmpeg)");
+    walk_app->add_option("--every", walk.every, "Write every N-th frame as PNG; default: eight over the walk")
+        ->check(CLI::Range(0, 1000000));
+    auto* window_flag = walk_app->add_flag("--window", window, "Open a window, or fail");
+    walk_app->add_flag("--headless", headless, "Do not open a window")->excludes(window_flag);
+
+    BenchOptions bench;
+    bench.modes = {"hybrid", "raster", "raycast", "near"};
+    auto* bench_app = app.add_subcommand("bench", "Time the modes lap by lap and print one JSON object");
+    add_view_options(*bench_app, bench.view, false);
+    bench_app->add_option("--modes", bench.modes, "Modes to compare: hybrid,raster,raycast,near")
+        ->delimiter(',')
+        ->check(CLI::IsMember(kModes));
+    bench_app->add_option("--laps", bench.laps, "Laps of each mode")->check(CLI::Range(1, 1000))->capture_default_str();
+    bench_app->add_option("--frames", bench.max_frames, "Only the first N frames of the walk; 0: all")
+        ->check(CLI::Range(0, 1000000));
+
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::ParseError& error) {
+        const int code = app.exit(error);
+        return code == 0 ? 0 : static_cast<int>(ErrorKind::usage);
+    }
+    if (window) walk.target = WalkTarget::window;
+    if (headless) walk.target = WalkTarget::headless;
+
+    Status status;
+    const auto with_workers = [](int workers, auto&& body) {
+        const WorkerLimit limit(workers);
+        return body();
+    };
+    if (*cook_app) status = with_workers(cook.jobs, [&] { return run_cook(cook); });
+    if (*info_app) status = run_info(info);
+    if (*render_app) status = with_workers(render.view.threads, [&] { return run_render(render); });
+    if (*walk_app) status = with_workers(walk.view.threads, [&] { return run_walk(walk); });
+    if (*bench_app) status = with_workers(bench.view.threads, [&] { return run_bench(bench); });
+    if (status) return 0;
+    log_line("ff: error: ", status.error().message);
+    return static_cast<int>(status.error().kind);
+}
+
+}  // namespace ff::tool

@@ -1,0 +1,71 @@
+#pragma once
+// The tool's subcommands, each a function from its options to a Status; the command line is read in command_line.cpp.
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "engine/core/result.h"
+#include "engine/frame/settings.h"
+
+namespace ff::tool {
+
+/// Reads the command line, runs the subcommand, prints its error. @return the process's exit code (formats.md).
+int run(int argc, const char* const* argv);
+
+struct ImageSize {
+    int width = 640, height = 480;
+};
+
+/// What the drawing subcommands share.
+struct ViewOptions {
+    std::string pack;             ///< a pack, or a source that is cooked into the cache first
+    std::string walk = "street";  ///< a walk of the pack, or a .walk.json file
+    ImageSize size;
+    frame::FrameSettings frame;
+    int threads = 0;  ///< 0: all
+};
+
+struct CookOptions {
+    std::filesystem::path source, output;
+    double scale = 1.0;
+    int jobs = 0;
+    bool json = false;
+    std::filesystem::path cache_dir;  ///< empty: the user's cache
+};
+Status run_cook(const CookOptions& options);
+
+struct InfoOptions {
+    std::string pack;
+    bool json = false;
+};
+Status run_info(const InfoOptions& options);
+
+struct RenderOptions {
+    ViewOptions view;
+    int frame = 0;
+    std::string debug_view;  ///< empty: the picture
+    std::filesystem::path output;
+};
+Status run_render(const RenderOptions& options);
+
+enum class WalkTarget { automatic, window, headless };
+struct WalkOptions {
+    ViewOptions view;
+    std::filesystem::path out = "out";
+    bool video = false;
+    WalkTarget target = WalkTarget::automatic;
+    int every = 0;  ///< PNG of every n-th frame; 0: eight over the walk
+};
+Status run_walk(const WalkOptions& options);
+
+struct BenchOptions {
+    ViewOptions view;
+    std::vector<std::string> modes;
+    int laps = 3;
+    int max_frames = 0;  ///< 0: the whole walk
+};
+Status run_bench(const BenchOptions& options);
+
+}  // namespace ff::tool

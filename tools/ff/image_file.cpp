@@ -1,0 +1,91 @@
+#include "tools/ff/image_file.h"
+
+#include <OpenImageIO/imageio.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <csignal>
+#include <cstdlib>
+#include <limits>
+#include <utility>
+
+namespace ff::tool {
+
+Status write_image(const std::filesystem::path& path, const shading::Image& image) {
+    // The ending decides the format, so the part file keeps it.
+    const auto part = path.parent_path() / fmt::format(".part{}-{}", ::getpid(), path.filename().string());
+    auto output = OIIO::ImageOutput::create(path.string());
+    if (!output) return usage_error(fmt::format("{}: no image format has this ending; use .png", path.string()));
+    OIIO::ImageSpec spec(image.width, image.height, 3, OIIO::TypeDesc::UINT8);
+    spec.attribute("oiio:ColorSpace", "sRGB");
+    std::error_code ignored;
+    if (!output->open(part.string(), spec) ||
+        !output->write_image(OIIO::TypeDesc::UINT8, image.pixels.data(), 4, OIIO::stride_t(image.stride) * 4) ||
+        !output->close()) {
+        std::filesystem::remove(part, ignored);
+        return failure(fmt::format("{}: cannot write: {}", path.string(), output->geterror()));
+    }
+    std::filesystem::rename(part, path, ignored);
+    if (ignored) return failure(fmt::format("{}: cannot rename into place: {}", path.string(), ignored.message()));
+    return {};
+}
+
+ImageDifference compare_images(const shading::Image& a, const shading::Image& b) {
+    std::uint64_t squares = 0, wrong = 0;
+    for (int y = 0; y < a.height; ++y) {
+        const std::uint32_t* row_a = a.pixels.data() + std::size_t(y) * std::size_t(a.stride);
+        const std::uint32_t* row_b = b.pixels.data() + std::size_t(y) * std::size_t(b.stride);
+        for (int x = 0; x < a.width; ++x) {
+            int worst = 0;
+            for (int shift = 0; shift < 24; shift += 8) {
+                const int d = int((row_a[x] >> shift) & 0xFF) - int((row_b[x] >> shift) & 0xFF);
+                squares += std::uint64_t(d * d);
+                worst = std::max(worst, std::abs(d));
+            }
+            wrong += worst > kWrongLevels ? 1 : 0;
+        }
+    }
+    const double pixels = double(a.width) * double(a.height);
+    const double mse = double(squares) / (3.0 * pixels);
+    return {.psnr_db = mse > 0.0 ? 10.0 * std::log10(255.0 * 255.0 / mse) : std::numeric_limits<double>::infinity(),
+            .wrong_pixels_pct = 100.0 * double(wrong) / pixels};
+}
+
+Result<VideoWriter> VideoWriter::open(const std::filesystem::path& path, int width, int height, double rate_hz) {
+    if (std::system("command -v ffmpeg >/dev/null 2>&1") != 0)
+        return failure("--video needs ffmpeg, which is not installed (apt-get install ffmpeg)");
+    std::signal(SIGPIPE, SIG_IGN);  // ffmpeg's failure is reported by add(), not by a signal
+    std::string quoted = path.string();
+    for (std::size_t i = 0; (i = quoted.find('\'', i)) != std::string::npos; i += 4) quoted.replace(i, 1, "'\\''");
+    const std::string command = fmt::format(
+        "ffmpeg -loglevel error -y -f rawvideo -pix_fmt rgba -s {}x{} -r {} -i - -c:v libx264 -pix_fmt yuv420p "
+        "-crf 20 -preset veryfast -vf 'pad=ceil(iw/2)*2:ceil(ih/2)*2' '{}'",
+        width, height, rate_hz, quoted);
+    std::FILE* pipe = ::popen(command.c_str(), "w");
+    if (pipe == nullptr) return failure("cannot start ffmpeg");
+    return VideoWriter(pipe);
+}
+
+VideoWriter::VideoWriter(VideoWriter&& other) noexcept : pipe_(std::exchange(other.pipe_, nullptr)) {}
+
+VideoWriter::~VideoWriter() {
+    if (pipe_ != nullptr) ::pclose(pipe_);
+}
+
+Status VideoWriter::add(const shading::Image& image) {
+    for (int y = 0; y < image.height; ++y) {
+        const auto width = static_cast<std::size_t>(image.width);
+        if (std::fwrite(image.pixels.data() + std::size_t(y) * std::size_t(image.stride), 4, width, pipe_) != width)
+            return failure("ffmpeg takes no more frames; it says why above");
+    }
+    return {};
+}
+
+Status VideoWriter::close() {
+    const int code = ::pclose(std::exchange(pipe_, nullptr));
+    if (code != 0) return failure(fmt::format("ffmpeg ended with code {}", code));
+    return {};
+}
+
+}  // namespace ff::tool
