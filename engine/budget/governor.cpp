@@ -11,21 +11,51 @@ double predicted_near_and_cast_ms(const Outlook& outlook, const CostModel& costs
     return near_ms + costs.cast_ray.ms_for(left_over);
 }
 
+namespace {
+
+/// Pixels that the horizon and the near field leave over.
+double left_over_pixels(const Outlook& outlook, std::size_t i) {
+    return std::max(0.0, outlook.pixels - outlook.sky_pixels - outlook.near_pixels[i]);
+}
+
+double ray_ms(const CostModel& costs) {
+    return costs.cast_ray.ms_for(1) + costs.shade_pixel.ms_for(1);
+}
+
+/// Time that does not depend on how many rays are cast.
+double fixed_ms(const Outlook& outlook, const CostModel& costs, std::size_t i, bool look_up) {
+    return predicted_near_and_cast_ms(outlook, costs, i) - costs.cast_ray.ms_for(left_over_pixels(outlook, i)) +
+           costs.horizon_azimuth.ms_for(outlook.horizon_azimuths) + costs.shade_pixel.ms_for(outlook.near_pixels[i]) +
+           (look_up ? costs.lookup_pixel.ms_for(left_over_pixels(outlook, i)) : 0.0);
+}
+
+/// How good a near distance is, smaller is better: its time; and with a budget the time of the pixels that it could not
+/// answer within it, and ten times what cannot be cut.
+double score(const Outlook& outlook, const CostModel& costs, double budget_ms, std::size_t i) {
+    const double cast_ms = ray_ms(costs) * left_over_pixels(outlook, i);
+    const double fixed = fixed_ms(outlook, costs, i, budget_ms > 0.0);
+    if (budget_ms <= 0.0) return fixed + cast_ms;
+    const double room = Governor::kAim * budget_ms - fixed;
+    const double unanswered_ms = std::max(0.0, cast_ms - std::max(0.0, room));
+    return std::min(fixed + cast_ms, Governor::kAim * budget_ms) + unanswered_ms + 10.0 * std::max(0.0, -room);
+}
+
+}  // namespace
+
 Choice Governor::choose(const Outlook& outlook, const CostModel& costs, double budget_ms) {
-    // Near distance: the cheapest, if it stays clearly cheaper than the present one.
-    std::size_t best = 0;
-    for (std::size_t i = 1; i < kNearDistances.size(); ++i)
-        if (predicted_near_and_cast_ms(outlook, costs, i) < predicted_near_and_cast_ms(outlook, costs, best)) best = i;
-    const double present_ms = predicted_near_and_cast_ms(outlook, costs, near_index_);
-    const bool clearly = predicted_near_and_cast_ms(outlook, costs, best) < (1.0 - kSwitchGain) * present_ms;
-    near_votes_ = clearly && best != near_index_ ? near_votes_ + 1 : 0;
+    // Near distance: the best, if it stays clearly better than the present one.
+    std::array<double, kNearDistances.size()> score_ms;
+    for (std::size_t i = 0; i < kNearDistances.size(); ++i) score_ms[i] = score(outlook, costs, budget_ms, i);
+    const auto best = std::size_t(std::min_element(score_ms.begin(), score_ms.end()) - score_ms.begin());
+    const bool clearly = score_ms[best] < (1.0 - kSwitchGain) * score_ms[near_index_];
+    near_votes_ = clearly ? near_votes_ + 1 : 0;
     if (near_votes_ >= kPatience) {
         near_index_ = best;
         near_votes_ = 0;
     }
 
     // Panorama: a lookup of everything left over must save more casting and shading than it costs.
-    const double candidates = std::max(0.0, outlook.pixels - outlook.sky_pixels - outlook.near_pixels[near_index_]);
+    const double candidates = left_over_pixels(outlook, near_index_);
     const double saved_ms = (costs.cast_ray.ms_for(1) + costs.shade_pixel.ms_for(1)) * outlook.reusable_pixels;
     const double spent_ms =
         costs.lookup_pixel.ms_for(candidates) + costs.store_pixel.ms_for(candidates - outlook.reusable_pixels);
@@ -39,14 +69,10 @@ Choice Governor::choose(const Outlook& outlook, const CostModel& costs, double b
     Choice choice;
     choice.near_m = kNearDistances[near_index_];
     choice.look_up_panorama = look_up_;
-    const double fixed_ms = predicted_near_and_cast_ms(outlook, costs, near_index_) -
-                            costs.cast_ray.ms_for(candidates) + costs.horizon_azimuth.ms_for(outlook.horizon_azimuths) +
-                            costs.shade_pixel.ms_for(outlook.near_pixels[near_index_]) +
-                            (budget_ms > 0.0 || look_up_ ? costs.lookup_pixel.ms_for(candidates) : 0.0);
-    const double ms_per_ray = costs.cast_ray.ms_for(1) + costs.shade_pixel.ms_for(1);
+    const double fixed = fixed_ms(outlook, costs, near_index_, budget_ms > 0.0 || look_up_);
     double rays = candidates - (look_up_ ? outlook.reusable_pixels : 0.0);
     if (budget_ms > 0.0) {
-        const double affordable = std::max(0.02 * outlook.pixels, (kAim * budget_ms - fixed_ms) / ms_per_ray);
+        const double affordable = std::max(kMinRayShare * outlook.pixels, (kAim * budget_ms - fixed) / ray_ms(costs));
         ray_budget_ =
             ray_budget_ < 0.0 ? affordable : std::clamp(affordable, ray_budget_ / kRayStep, ray_budget_ * kRayStep);
         ray_budget_ = std::min(ray_budget_, outlook.pixels);
@@ -56,7 +82,7 @@ Choice Governor::choose(const Outlook& outlook, const CostModel& costs, double b
     } else {
         ray_budget_ = -1.0;
     }
-    choice.predicted_ms = fixed_ms + ms_per_ray * rays;
+    choice.predicted_ms = fixed + ray_ms(costs) * rays;
     return choice;
 }
 

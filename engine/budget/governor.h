@@ -38,6 +38,8 @@ class Governor {
     /// The ray budget moves at most by this factor a frame, and aims at this share of the time budget.
     static constexpr double kRayStep = 1.25;
     static constexpr double kAim = 0.92;
+    /// Rays never fall below this share of the pixels, so that what is stale always heals.
+    static constexpr double kMinRayShare = 0.005;
 
     /// @param budget_ms  time the frame may take; 0: no limit
     [[nodiscard]] Choice choose(const Outlook& outlook, const CostModel& costs, double budget_ms);
