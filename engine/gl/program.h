@@ -1,0 +1,38 @@
+#pragma once
+
+#include <string_view>
+
+#include "engine/core/result.h"
+#include "engine/gl/object.h"
+
+namespace ff::gl {
+
+namespace detail {
+void delete_program(GLuint id);
+}
+
+/// A linked vertex and fragment shader.
+class Program {
+  public:
+    Program() = default;
+    /// Compiles and links embedded shaders.
+    /// @param vertex, fragment  names in engine/shaders
+    /// @param defines           lines put after #version, e.g. "#define ALPHA_MASK\n"
+    /// Errors: no such shader; the compiler's words, each with the source lines that they point at.
+    static Result<Program> make(std::string_view vertex, std::string_view fragment, std::string_view defines = {});
+
+    /// The same from texts; the names are for messages.
+    struct Stage {
+        std::string_view name, text;
+    };
+    static Result<Program> compile(Stage vertex, Stage fragment, std::string_view defines = {});
+
+    [[nodiscard]] GLuint id() const { return object_.id(); }
+    /// Location of a uniform; -1 (which GL ignores) where the program does not use it.
+    [[nodiscard]] GLint uniform(const char* name) const { return glGetUniformLocation(id(), name); }
+
+  private:
+    Object<detail::delete_program> object_;
+};
+
+}  // namespace ff::gl
