@@ -1,0 +1,31 @@
+#include "engine/frame/history.h"
+
+namespace ff::frame {
+
+void FrameHistory::reset(int width, int height) {
+    costs = {};
+    governor = {};
+    outlook = {};
+    horizon.invalidate();
+    visibility.resize(width, height);
+    for (farfield::PixelMask* mask : {&sources.near_field, &sources.sky, &sources.panorama, &sources.cast})
+        mask->reset(width, height);
+    all_tiles.clear();
+    for (int y = 0; y < height; y += farfield::kTileSize) {
+        for (int x = 0; x < width; x += farfield::kTileSize) {
+            farfield::TileRequest tile;
+            tile.x = std::uint16_t(x);
+            tile.y = std::uint16_t(y);
+            const int columns = std::min(farfield::kTileSize, width - x);
+            for (int row = 0; row < std::min(farfield::kTileSize, height - y); ++row)
+                tile.rows[row] = std::uint16_t((1u << columns) - 1u);
+            all_tiles.push_back(tile);
+        }
+    }
+    requests.clear();
+    requests.reserve(all_tiles.size());
+    has_frame = false;
+    frame_number = 0;
+}
+
+}  // namespace ff::frame

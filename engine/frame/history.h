@@ -1,0 +1,44 @@
+#pragma once
+// What outlives a frame: the last visibility, the skyline, measured costs, and the controller's held choices. In
+// nobody's static; copy-free; sized once per image size.
+
+#include <array>
+#include <memory>
+#include <vector>
+
+#include "engine/budget/cost_model.h"
+#include "engine/budget/governor.h"
+#include "engine/farfield/horizon.h"
+#include "engine/farfield/pixel_mask.h"
+#include "engine/farfield/ray_caster.h"
+#include "engine/farfield/visibility_buffer.h"
+#include "engine/frame/stats.h"
+#include "engine/math/camera.h"
+
+namespace ff::frame {
+
+/// Pixels of the last frame by how they came to be, for counts and debug views.
+struct SourceMasks {
+    farfield::PixelMask near_field, sky, panorama, cast;
+};
+
+struct FrameHistory {
+    budget::CostModel costs;
+    budget::Governor governor;
+    budget::Outlook outlook;  ///< drawn from the last frame's visibility
+    farfield::HorizonMap horizon;
+    farfield::VisibilityBuffer visibility;
+    SourceMasks sources;
+    std::vector<farfield::TileRequest> requests;  ///< scratch: what is still to be answered, one a tile at most
+    std::vector<farfield::TileRequest> all_tiles;
+    bool has_frame = false;
+    int rest_frames = 0;  ///< frames since the viewer last moved
+    PinholeView last_view;
+    FrameStats last_stats;
+    std::uint64_t frame_number = 0;
+
+    /// Forgets everything but the settings of its parts; sizes all scratch for images of this size.
+    void reset(int width, int height);
+};
+
+}  // namespace ff::frame

@@ -1,0 +1,49 @@
+#pragma once
+// Everything that a frame will do, decided before anything is drawn: plain data that can be printed, compared and
+// replayed.
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "engine/budget/governor.h"
+#include "engine/frame/settings.h"
+#include "engine/math/camera.h"
+#include "engine/scene/static_scene.h"
+
+namespace ff::frame {
+
+struct FrameHistory;
+
+struct FramePlan {
+    Mode mode = Mode::hybrid;
+    PinholeView view;
+    std::span<const scene::Instance> dynamic;  ///< instances that move, ids from the scene's instance count on
+
+    // Near field
+    bool rasterise = false;  ///< is there a near field this frame, or all of it in mode raster
+    double near_m = 0.0;     ///< cells nearer than this are rasterised; +inf: all
+    bool software_opacity = false;
+
+    // Far field
+    bool trace_horizon = false;
+    int horizon_subsample = 1;
+    bool look_up_panorama = false;
+    bool fill_panorama = false;  ///< cast whole tiles of the panorama ahead of the view: the viewer only turns or rests
+    CasterKind caster = CasterKind::beam;
+    std::uint64_t ray_budget = UINT64_MAX;
+    float max_parallax_px = 0.5f;
+    float prelit_beyond_m = 0.0f;
+    double predicted_ms = 0.0;
+};
+
+/// Decides a frame. Reads the history, changes only its governor; touches no GL and draws nothing.
+/// @param dynamic  instances that move, borrowed until the frame is drawn
+void plan_frame(const scene::StaticScene& scene, std::span<const scene::Instance> dynamic, const Camera& camera,
+                int width, int height, const FrameSettings& settings, FrameHistory& history, FramePlan& plan);
+
+/// The plan as text, a line a decision.
+[[nodiscard]] std::string to_text(const FramePlan& plan);
+
+}  // namespace ff::frame

@@ -1,0 +1,133 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "engine/frame/history.h"
+#include "engine/frame/plan.h"
+
+namespace ff::frame {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+/// A viewer who moves less than this between frames only turns: even at arm's length it is a hundredth of a pixel.
+constexpr double kRestM = 1e-6;
+/// Frames to wait after a step before the panorama is filled ahead: a turn is more than a pause between two steps.
+constexpr int kRestFrames = 2;
+
+/// Pixels whose panorama texel would still be good after another step like the last one. A texel lives for
+/// limit * depth / (f * step) frames before its parallax exceeds the limit; of its life all but the first frame is
+/// reuse.
+double expected_reusable_pixels(const farfield::VisibilityBuffer& visibility, const PinholeView& view, double step_m,
+                                double limit_px) {
+    constexpr int kStride = 8;  // every 64th pixel is enough for a share
+    double reusable = 0.0;
+    for (int y = kStride / 2; y < visibility.height; y += kStride) {
+        for (int x = kStride / 2; x < visibility.width; x += kStride) {
+            const double depth = visibility.depth[visibility.index(x, y)];
+            if (!std::isfinite(depth)) continue;
+            const double life_frames = limit_px * depth * view.pixel_angle() / std::max(step_m, 1e-9);
+            if (life_frames > 1.0) reusable += 1.0 - 1.0 / life_frames;
+        }
+    }
+    return reusable * kStride * kStride;
+}
+
+/// Pixels and triangles that each near distance would take, from the last frame's depths and the cells' distances.
+void expect_near_field(const scene::StaticScene& scene, const farfield::VisibilityBuffer& visibility,
+                       const WorldPos& eye, budget::Outlook& outlook) {
+    outlook.near_pixels = {};
+    outlook.near_triangles = {};
+    constexpr int kStride = 8;
+    for (int y = kStride / 2; y < visibility.height; y += kStride)
+        for (int x = kStride / 2; x < visibility.width; x += kStride) {
+            const double depth = visibility.depth[visibility.index(x, y)];
+            for (std::size_t i = 1; i < budget::kNearDistances.size(); ++i)
+                if (depth < budget::kNearDistances[i]) outlook.near_pixels[i] += kStride * kStride;
+        }
+    for (const scene::Cell& cell : scene.cells) {
+        const double distance = distance_to(cell.bounds, eye);
+        for (std::size_t i = 1; i < budget::kNearDistances.size(); ++i)
+            if (distance < budget::kNearDistances[i]) outlook.near_triangles[i] += double(cell.triangle_count);
+    }
+}
+
+void look_ahead(const scene::StaticScene& scene, const FramePlan& plan, const FrameSettings& settings,
+                FrameHistory& history) {
+    // Cells and depths change slowly; the near field's outlook is refreshed a few times a second.
+    constexpr std::uint64_t kRefreshFrames = 8;
+    budget::Outlook& outlook = history.outlook;
+    outlook.pixels = double(plan.view.width) * plan.view.height;
+    outlook.sky_pixels = double(history.last_stats.pixels.sky);
+    outlook.horizon_azimuths = settings.use_horizon ? history.horizon.settings().columns / 4.0 : 0.0;
+    const double step_m = glm::length(plan.view.position - history.last_view.position);
+    outlook.reusable_pixels = settings.use_panorama ? expected_reusable_pixels(history.visibility, plan.view, step_m,
+                                                                               settings.max_parallax_px)
+                                                    : 0.0;
+    if (history.frame_number % kRefreshFrames == 1)
+        expect_near_field(scene, history.visibility, plan.view.position, outlook);
+}
+
+}  // namespace
+
+void plan_frame(const scene::StaticScene& scene, std::span<const scene::Instance> dynamic, const Camera& camera,
+                int width, int height, const FrameSettings& settings, FrameHistory& history, FramePlan& plan) {
+    plan = {};
+    plan.mode = settings.mode;
+    plan.view = make_view(camera, width, height);
+    plan.dynamic = dynamic;
+    plan.caster = settings.caster;
+    plan.max_parallax_px = settings.max_parallax_px;
+    plan.prelit_beyond_m = settings.prelit_beyond_m;
+
+    switch (settings.mode) {
+        case Mode::raster:
+            plan.rasterise = true;
+            plan.near_m = kInfinity;
+            return;
+        case Mode::near:
+            plan.rasterise = true;
+            plan.near_m = settings.fixed_near_m.value_or(100.0);
+            return;
+        case Mode::raycast:
+            plan.caster = CasterKind::embree;
+            return;
+        case Mode::hybrid:
+            break;
+    }
+
+    const bool moved = !history.has_frame || glm::length(plan.view.position - history.last_view.position) > kRestM;
+    history.rest_frames = moved ? 0 : history.rest_frames + 1;
+    plan.trace_horizon = settings.use_horizon && scene.height_grid.size > 0;
+
+    budget::Choice choice;
+    if (history.has_frame) {
+        look_ahead(scene, plan, settings, history);
+        choice = history.governor.choose(history.outlook, settings.deterministic ? budget::CostModel{} : history.costs,
+                                         settings.budget_ms);
+    }
+    plan.near_m = settings.fixed_near_m.value_or(choice.near_m);
+    plan.rasterise = plan.near_m > 0.0;
+    plan.fill_panorama = settings.use_panorama && history.rest_frames >= kRestFrames;
+    plan.look_up_panorama = settings.use_panorama && (choice.look_up_panorama || plan.fill_panorama);
+    plan.ray_budget = choice.ray_budget;
+    plan.predicted_ms = choice.predicted_ms;
+    // A budget that the exact frame exceeds by far also coarsens the skyline, conservatively (P0 section 6).
+    if (settings.budget_ms > 0.0 && choice.predicted_ms > settings.budget_ms) plan.horizon_subsample = 4;
+}
+
+std::string to_text(const FramePlan& plan) {
+    constexpr const char* kModes[] = {"hybrid", "raster", "raycast", "near"};
+    constexpr const char* kCasters[] = {"beam", "embree", "grid"};
+    std::string text = fmt::format("mode {}\nnear field {}, {} m\nhorizon {}, every {} azimuths\n",
+                                   kModes[int(plan.mode)], plan.rasterise ? "rasterised" : "none", plan.near_m,
+                                   plan.trace_horizon ? "traced" : "off", plan.horizon_subsample);
+    text += fmt::format("panorama {}{}, up to {} px\n", plan.look_up_panorama ? "looked up" : "not used",
+                        plan.fill_panorama ? " and filled ahead" : "", plan.max_parallax_px);
+    text += plan.ray_budget == UINT64_MAX ? std::string("rays as many as needed")
+                                          : fmt::format("rays at most {}", plan.ray_budget);
+    return text + fmt::format(" by {}\n", kCasters[int(plan.caster)]);
+}
+
+}  // namespace ff::frame

@@ -1,0 +1,36 @@
+#pragma once
+
+#include "engine/frame/history.h"
+#include "engine/frame/plan.h"
+#include "engine/frame/stats.h"
+#include "engine/shading/shading_pass.h"
+
+namespace ff::nearfield {
+class NearRenderer;
+}
+
+namespace ff::frame {
+
+/// The ray casters of a scene, each built when a plan first asks for it.
+class Casters {
+  public:
+    explicit Casters(const scene::StaticScene& scene) : scene_(scene) {}
+    [[nodiscard]] farfield::RayCaster& get(CasterKind kind);
+
+  private:
+    const scene::StaticScene& scene_;
+    std::array<std::unique_ptr<farfield::RayCaster>, 3> casters_;
+};
+
+/// What the passes draw with. `near_renderer` may be null where there is no OpenGL; plans then must not rasterise.
+struct Tools {
+    const scene::StaticScene& scene;
+    Casters& casters;
+    nearfield::NearRenderer* near_renderer = nullptr;
+};
+
+/// Carries a plan out and decides nothing. Afterwards the history holds the frame's visibility and sources.
+/// @param image  written whole, resized to the view
+FrameStats run_passes(const FramePlan& plan, const Tools& tools, FrameHistory& history, shading::Image& image);
+
+}  // namespace ff::frame

@@ -1,0 +1,46 @@
+#pragma once
+// What a frame did: work, exact and repeatable, and time. Overlay, bench and stats.json read this and nothing else.
+
+#include <array>
+#include <cstdint>
+#include <string_view>
+
+namespace ff::frame {
+
+/// The passes in the order in which they run; the one list of their names.
+enum class Pass : std::uint8_t { plan, near_field, opacity, horizon, panorama, cast, shade, store, present };
+inline constexpr std::size_t kPassCount = 9;
+inline constexpr std::array<std::string_view, kPassCount> kPassNames{"plan", "near",  "opacity", "horizon", "panorama",
+                                                                     "cast", "shade", "store",   "present"};
+
+/// Pixels by how they came to be (P0 Figure 11); they add up to the image.
+struct PixelCounts {
+    std::uint64_t near_field = 0;  ///< covered by rasterised triangles
+    std::uint64_t sky = 0;         ///< above the traced horizon
+    std::uint64_t panorama = 0;    ///< a still-good texel of the panoramic cache
+    std::uint64_t cast_hit = 0;    ///< a ray, or a beam's pixel, that met something
+    std::uint64_t cast_miss = 0;   ///< one that did not
+    std::uint64_t stale = 0;       ///< of `panorama`: worse than wanted, kept because the ray budget was spent
+};
+
+struct FrameStats {
+    double frame_ms = 0.0;
+    std::array<double, kPassCount> pass_ms{};
+    PixelCounts pixels;
+    std::uint64_t rays = 0;
+    std::uint64_t nodes_visited = 0;
+    std::uint64_t triangles_tested = 0;
+    std::uint64_t near_triangles = 0;  ///< sent to OpenGL
+    std::uint64_t near_draws = 0;
+    std::uint64_t shaded_pixels = 0;
+    std::uint64_t opacity_missed = 0;  ///< near pixels that the opacity buffer did not know of
+    double near_m = 0.0;               ///< near distance of this frame
+    std::uint64_t ray_budget = UINT64_MAX;
+    float parallax_p99_px = 0.0f;  ///< predicted, of reused panorama texels
+    float parallax_max_px = 0.0f;
+
+    [[nodiscard]] double& ms(Pass pass) { return pass_ms[std::size_t(pass)]; }
+    [[nodiscard]] double ms(Pass pass) const { return pass_ms[std::size_t(pass)]; }
+};
+
+}  // namespace ff::frame
