@@ -1,22 +1,8 @@
 # Every library, found once. Runtime first; the cooker's and the tests' own only where those are built.
 # tools/setup names the Debian packages.
 
-find_package(PkgConfig REQUIRED)
-find_package(Threads REQUIRED)
-find_package(TBB CONFIG REQUIRED)
-find_package(fmt CONFIG REQUIRED)
-find_package(spdlog CONFIG REQUIRED)
-find_package(glm CONFIG REQUIRED)
-find_package(embree 3 CONFIG REQUIRED)
-find_package(glfw3 3.3 CONFIG REQUIRED)
+include(FarfieldRuntimeDependencies)
 find_package(FlatBuffers REQUIRED)
-find_package(zstd CONFIG REQUIRED)
-find_package(nlohmann_json CONFIG REQUIRED)
-pkg_check_modules(xxhash REQUIRED IMPORTED_TARGET GLOBAL libxxhash)
-pkg_check_modules(hwy REQUIRED IMPORTED_TARGET GLOBAL libhwy)
-pkg_check_modules(epoxy REQUIRED IMPORTED_TARGET GLOBAL epoxy)
-pkg_check_modules(egl REQUIRED IMPORTED_TARGET GLOBAL egl)
-pkg_check_modules(imgui REQUIRED IMPORTED_TARGET GLOBAL imgui)
 
 if(FF_TOOLS)
   find_package(tomlplusplus CONFIG REQUIRED)
