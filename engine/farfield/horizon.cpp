@@ -1,0 +1,200 @@
+// HorizonMap: what is traced when, and the tables of the wedges. The walk itself is in horizon_trace.cpp.
+#include "engine/farfield/horizon.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <limits>
+
+#include "engine/core/check.h"
+#include "engine/farfield/horizon_azimuth.h"
+#include "engine/farfield/horizon_trace.h"
+
+namespace ff::farfield {
+namespace {
+
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+constexpr int kPadding = 16;  ///< elements that kernels may read beyond the columns
+
+/// Columns by which intervals are widened: several times the rounding error of azimuth_turn.
+float margin_of(int columns) {
+    return 1e-3f + 1e-6f * float(columns);
+}
+
+int modulo(int value, int count) {
+    const int rest = value % count;
+    return rest < 0 ? rest + count : rest;
+}
+
+/// The smallest range that holds both, or nothing (count 0) where they do not touch.
+ColumnRange joined(ColumnRange a, ColumnRange b, int columns) {
+    const int from_a = modulo(b.first - a.first, columns), from_b = modulo(a.first - b.first, columns);
+    if (from_a <= a.count) return {a.first, std::min(columns, std::max(a.count, from_a + b.count))};
+    if (from_b <= b.count) return {b.first, std::min(columns, std::max(b.count, from_b + a.count))};
+    return {};
+}
+
+bool contains(ColumnRange outer, int column, int columns) {
+    return modulo(column - outer.first, columns) < outer.count;
+}
+
+}  // namespace
+
+HorizonMap::HorizonMap(const HorizonSettings& settings) : settings_(settings) {
+    FF_CHECK(settings.columns >= 64 && settings.columns <= 8192 && settings.columns % 4 == 0, "{} horizon columns",
+             settings.columns);
+    const std::size_t size = std::size_t(settings.columns) + kPadding;
+    for (std::vector<float>* table : {&max_x_, &max_z_, &min_x_, &min_z_}) table->resize(size);
+    traced_.assign(size, kInfinity);
+    tangents_.assign(size, kInfinity);
+    winner_.assign(size, kNoSquare);
+    settings_.near_distance_m = 0.0f;
+    settings_.subsample = 0;
+    set_quality(settings.near_distance_m, settings.subsample);
+}
+
+void HorizonMap::set_quality(float near_distance_m, int subsample) {
+    FF_CHECK(near_distance_m >= 0.0f, "near distance {} m", near_distance_m);
+    FF_CHECK(subsample == 1 || subsample == 2 || subsample == 4, "subsample {}", subsample);
+    if (near_distance_m == settings_.near_distance_m && subsample == settings_.subsample) return;
+    const bool other_wedges = subsample != settings_.subsample;
+    settings_.near_distance_m = near_distance_m;
+    settings_.subsample = subsample;
+    if (other_wedges) make_wedges();
+    invalidate();
+}
+
+void HorizonMap::invalidate() {
+    valid_ = {};
+    heights_ = nullptr;
+    std::fill(winner_.begin(), winner_.end(), kNoSquare);
+    std::fill(tangents_.begin(), tangents_.end(), kInfinity);
+}
+
+void HorizonMap::make_wedges() {
+    const int columns = settings_.columns / settings_.subsample;
+    const double margin = 2.0 * double(margin_of(columns));
+    for (int c = 0; c < columns; ++c) {
+        double x0, z0, x1, z1;
+        azimuth_direction((c - margin) / columns, x0, z0);
+        azimuth_direction((c + 1 + margin) / columns, x1, z1);
+        // Within a wedge |x| and |z| are monotone but where it crosses an axis.
+        double max_x = std::max(std::abs(x0), std::abs(x1)), min_x = std::min(std::abs(x0), std::abs(x1));
+        double max_z = std::max(std::abs(z0), std::abs(z1)), min_z = std::min(std::abs(z0), std::abs(z1));
+        if (x0 * x1 <= 0.0) min_x = 0.0, max_z = 1.0;
+        if (z0 * z1 <= 0.0) min_z = 0.0, max_x = 1.0;
+        max_x_[std::size_t(c)] = float(max_x * (1.0 + 1e-6));
+        max_z_[std::size_t(c)] = float(max_z * (1.0 + 1e-6));
+        min_x_[std::size_t(c)] = float(min_x * (1.0 - 1e-6));
+        min_z_[std::size_t(c)] = float(min_z * (1.0 - 1e-6));
+    }
+}
+
+HorizonCost HorizonMap::update(const scene::HeightGrid& grid, const PinholeView& view) {
+    return update(grid, view.position, columns_of_view(view, settings_.columns));
+}
+
+HorizonCost HorizonMap::update(const scene::HeightGrid& grid, const WorldPos& eye, ColumnRange wanted) {
+    const int all = settings_.columns, step = settings_.subsample;
+    if (heights_ != grid.heights.data()) invalidate();
+    if (eye_ != eye) valid_ = {};
+    heights_ = grid.heights.data();
+    eye_ = eye;
+
+    // Whole wedges only.
+    const int low = modulo(wanted.first, all) / step * step;
+    wanted = {low, std::min(all, (modulo(wanted.first, all) + wanted.count - low + step - 1) / step * step)};
+
+    const ColumnRange before = valid_;
+    const ColumnRange after = before.count == 0 ? wanted : joined(before, wanted, all);
+    if (after.count == before.count) return {};
+    valid_ = after.count == 0 ? wanted : after;
+    const bool keep = after.count != 0 && before.count != 0;
+
+    // Columns that are not wanted enter as +inf, so that no square can raise them.
+    HorizonCost cost;
+    for (int c = 0; c < all / step; ++c) {
+        const bool missing = contains(valid_, c * step, all) && !(keep && contains(before, c * step, all));
+        traced_[std::size_t(c)] = missing ? -kInfinity : kInfinity;
+        cost.columns += missing ? 1u : 0u;
+    }
+    const double eye_x = (eye.x - grid.low_x) / grid.square_m, eye_z = (eye.z - grid.low_z) / grid.square_m;
+    const double eye_height = eye.y - grid.base_y;
+    constexpr double kFarthestSquares = 1 << 22;  // beyond, floats no longer tell squares apart
+    const bool known = grid.size >= 1 && std::isfinite(eye_height) && std::abs(eye_x) < kFarthestSquares &&
+                       std::abs(eye_z) < kFarthestSquares;
+    if (known) {
+        FF_CHECK(std::has_single_bit(grid.size) && grid.size <= 4096, "height grid of {} squares", grid.size);
+        HorizonTraceInput input;
+        input.size_log2 = std::countr_zero(grid.size);
+        std::size_t offset = 0;
+        for (int level = 0; level <= input.size_log2; ++level) {
+            input.level_heights[level] = grid.heights.data() + offset;
+            offset += (std::size_t(grid.size) >> level) * (std::size_t(grid.size) >> level);
+        }
+        FF_CHECK(grid.heights.size() >= offset, "height grid has {} heights; its mips need {}", grid.heights.size(),
+                 offset);
+        input.finest_level = std::min(step / 2, input.size_log2);
+        input.eye_x = int(std::floor(eye_x));
+        input.eye_z = int(std::floor(eye_z));
+        input.frac_x = float(eye_x - std::floor(eye_x));
+        input.frac_z = float(eye_z - std::floor(eye_z));
+        input.eye_height_m = std::nextafter(float(eye_height), -kInfinity);
+        input.squares_per_m = float(1.0 / grid.square_m);
+        input.near_squares = float(double(settings_.near_distance_m) / grid.square_m * (1.0 - 1e-6));
+        input.columns = all / step;
+        input.max_x = max_x_.data();
+        input.max_z = max_z_.data();
+        input.min_x = min_x_.data();
+        input.min_z = min_z_.data();
+        input.column_margin = margin_of(input.columns);
+        for (int c = input.columns; c < input.columns + kPadding; ++c) traced_[std::size_t(c)] = kInfinity;
+        cost.squares = trace_horizon(input, traced_.data(), winner_.data());
+    }
+
+    for (int c = 0; c < all; ++c) {
+        const bool inside = contains(valid_, c, all);
+        float& tangent = tangents_[std::size_t(c)];
+        if (!inside || !known) {
+            tangent = kInfinity;
+        } else if (!(keep && contains(before, c, all))) {
+            tangent = traced_[std::size_t(c / step)];
+            // The rounding of everything above, and of whoever compares against it.
+            if (std::isfinite(tangent)) tangent += std::abs(tangent) * 4e-6f + 1e-6f;
+        }
+    }
+    return cost;
+}
+
+ColumnRange columns_of_view(const PinholeView& view, int columns) {
+    const float u0 = view.u_first, u1 = view.u_first + view.u_step * float(view.width);
+    const float v0 = view.v_first, v1 = view.v_first + view.v_step * float(view.height);
+    const Mat3& m = view.world_from_camera;
+    // Where the vertical through the eye meets the image plane; inside the image every azimuth is seen.
+    const Vec3 pole(m[0].y, m[1].y, m[2].y);
+    const float margin_u = 4.0f * std::abs(view.u_step), margin_v = 4.0f * std::abs(view.v_step);
+    if (std::abs(pole.z) > 1e-6f) {
+        const float u = pole.x / -pole.z, v = pole.y / -pole.z;
+        if (u >= std::min(u0, u1) - margin_u && u <= std::max(u0, u1) + margin_u && v >= std::min(v0, v1) - margin_v &&
+            v <= std::max(v0, v1) + margin_v)
+            return {0, columns};
+    }
+    // Else the image projects to a convex quadrilateral beside the eye, whose extremes are its corners.
+    const float corner_u[4] = {u0, u1, u0, u1}, corner_v[4] = {v0, v0, v1, v1};
+    float first_turn = 0.0f, low = 0.0f, high = 0.0f;
+    for (int i = 0; i < 4; ++i) {
+        const Vec3 direction = m * Vec3(corner_u[i], corner_v[i], -1.0f);
+        const float turn = azimuth_turn(direction.x, direction.z);
+        if (i == 0) first_turn = turn;
+        float offset = turn - first_turn;
+        offset -= std::round(offset);
+        low = std::min(low, offset);
+        high = std::max(high, offset);
+    }
+    const int first = int(std::floor((first_turn + low) * float(columns))) - 2;
+    const int last = int(std::floor((first_turn + high) * float(columns))) + 2;
+    const int count = std::min(columns, last - first + 1);
+    return {modulo(first, columns), count};
+}
+
+}  // namespace ff::farfield

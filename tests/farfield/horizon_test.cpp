@@ -1,0 +1,231 @@
+// The horizon against its plain reference, and against rays cast at every triangle: what is called sky is sky.
+#include "engine/farfield/horizon.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+
+#include "engine/farfield/horizon_azimuth.h"
+#include "tests/farfield/horizon_worlds.h"
+
+namespace ff::farfield {
+namespace {
+
+using test::make_valley_grid;
+using test::OwnedHeightGrid;
+
+struct Random {
+    explicit Random(int seed) : engine(std::uint32_t(seed)) {}
+    double between(double low, double high) { return std::uniform_real_distribution<double>(low, high)(engine); }
+    std::mt19937 engine;
+};
+
+std::vector<float> traced(const OwnedHeightGrid& world, const WorldPos& eye, const HorizonSettings& settings) {
+    HorizonMap map(settings);
+    map.update(world.grid, eye, {0, settings.columns});
+    return {map.tangents().begin(), map.tangents().end()};
+}
+
+TEST(Horizon, is_never_below_the_plain_reference_and_little_above_it) {
+    for (int seed = 0; seed < 60; ++seed) {
+        SCOPED_TRACE(seed);
+        Random random(seed);
+        const auto world = make_valley_grid(64u << (seed % 3), 30.0, std::uint32_t(seed));
+        const double reach = (seed % 4 == 0 ? 1.5 : 0.5) * world.grid.size * 30.0;
+        const WorldPos eye(random.between(-reach, reach), random.between(-50, seed % 5 == 0 ? 1500 : 200),
+                           random.between(-reach, reach));
+        const HorizonSettings settings{.columns = seed % 2 ? 1280 : 320, .near_distance_m = seed % 3 == 1 ? 100.0f : 0};
+        const std::vector<float> fast = traced(world, eye, settings);
+        std::vector<double> reference(fast.size());
+        trace_horizon_reference(world.grid, eye, settings.near_distance_m, reference);
+        double excess = 0.0;
+        for (std::size_t c = 0; c < fast.size(); ++c) {
+            ASSERT_GE(double(fast[c]), reference[c]) << "column " << c;
+            if (std::isfinite(fast[c])) {
+                ASSERT_TRUE(std::isfinite(reference[c])) << "column " << c;
+                excess = std::max(excess, double(fast[c]) - reference[c] - 0.02 * std::abs(reference[c]));
+            }
+        }
+        EXPECT_LT(excess, 0.01);
+    }
+}
+
+TEST(Horizon, subsampled_is_never_below_the_full_one) {
+    for (int seed = 0; seed < 20; ++seed) {
+        SCOPED_TRACE(seed);
+        Random random(seed);
+        const auto world = make_valley_grid(128, 30.0, std::uint32_t(seed));
+        const WorldPos eye(random.between(-1900, 1900), random.between(50, 400), random.between(-1900, 1900));
+        const std::vector<float> full = traced(world, eye, {});
+        for (const int subsample : {2, 4}) {
+            const std::vector<float> coarse = traced(world, eye, {.subsample = subsample});
+            for (std::size_t c = 0; c < full.size(); ++c)
+                ASSERT_GE(coarse[c] + 1e-5f * std::abs(coarse[c]) + 1e-5f, full[c]) << "column " << c;
+        }
+    }
+}
+
+TEST(Horizon, a_guess_from_the_last_frame_changes_time_but_no_bit) {
+    const auto world = make_valley_grid(256, 30.0, 3);
+    HorizonMap walking;
+    for (int frame = 0; frame < 30; ++frame) {
+        const WorldPos eye(600.0 + 3.0 * frame, 120.0, 40.0 * std::sin(0.1 * frame));
+        walking.update(world.grid, eye, {0, 1280});
+        const std::vector<float> fresh = traced(world, eye, {});
+        ASSERT_TRUE(std::equal(fresh.begin(), fresh.end(), walking.tangents().begin())) << "frame " << frame;
+    }
+}
+
+TEST(Horizon, a_spire_thinner_than_a_column_is_not_lost) {
+    OwnedHeightGrid world(1024, -5120.0, -5120.0, 10.0, 0.0);
+    for (std::uint32_t z = 0; z < 1024; ++z)
+        for (std::uint32_t x = 0; x < 1024; ++x) world.at(x, z) = 0.0f;
+    world.at(900, 300) = 200.0f;
+    world.make_mips();
+    const std::vector<float> tangents = traced(world, {3.0, 2.0, 4.0}, {.columns = 64});
+    EXPECT_GT(*std::max_element(tangents.begin(), tangents.end()), 0.04f);
+    EXPECT_LE(std::count_if(tangents.begin(), tangents.end(), [](float t) { return t > 0.01f; }), 2);
+}
+
+TEST(Horizon, nothing_is_traced_while_only_the_direction_changes_within_what_is_known) {
+    const auto world = make_valley_grid(256, 30.0, 1);
+    Camera camera;
+    camera.position = {1500.0, 150.0, 0.0};
+    HorizonMap map;
+    const auto first = map.update(world.grid, make_view(camera, 320, 240));
+    EXPECT_GT(first.columns, 200u);
+    EXPECT_LT(first.columns, 500u);
+    camera.pitch = 0.05;
+    EXPECT_EQ(map.update(world.grid, make_view(camera, 320, 240)).columns, 0u);
+    camera.yaw = 0.2;
+    const auto turned = map.update(world.grid, make_view(camera, 320, 240));
+    EXPECT_GT(turned.columns, 0u);
+    EXPECT_LT(turned.columns, 60u);
+    for (camera.yaw = 0.2; camera.yaw < 7.0; camera.yaw += 0.3) map.update(world.grid, make_view(camera, 320, 240));
+    EXPECT_EQ(map.update(world.grid, camera.position, {0, 1280}).columns, 0u);
+    const std::vector<float> fresh = traced(world, camera.position, {});
+    EXPECT_TRUE(std::equal(fresh.begin(), fresh.end(), map.tangents().begin()));
+    camera.position.x += 0.001;
+    EXPECT_GT(map.update(world.grid, make_view(camera, 320, 240)).columns, 200u);
+}
+
+TEST(Horizon, calls_nothing_sky_where_it_knows_nothing) {
+    PixelMask sky;
+    const PinholeView view = make_view({}, 100, 70);
+    HorizonMap untraced;
+    EXPECT_EQ(find_sky_pixels(view, untraced, sky), 0u);
+    scene::HeightGrid none;
+    HorizonMap map;
+    map.update(none, view);
+    EXPECT_EQ(find_sky_pixels(view, map, sky), 0u);
+    const auto world = make_valley_grid(64, 30.0, 1);
+    for (const double bad : {std::nan(""), 1e30, std::numeric_limits<double>::infinity()}) {
+        map.update(world.grid, WorldPos(bad, 10.0, 0.0), {0, 1280});
+        EXPECT_EQ(find_sky_pixels(view, map, sky), 0u);
+        map.update(world.grid, WorldPos(0.0, bad, 0.0), {0, 1280});
+        if (!(bad > 0.0)) {
+            EXPECT_EQ(find_sky_pixels(view, map, sky), 0u);
+        }
+    }
+}
+
+// ---- against rays ----------------------------------------------------------------------------------------------
+
+/// Columns of random heights as solid boxes over the grid's squares, some missing; a ray meets them exactly where it
+/// meets the bars.
+bool meets_bars(const OwnedHeightGrid& world, const WorldPos& eye, const DVec3& direction, double near_m) {
+    const scene::HeightGrid& grid = world.grid;
+    for (std::uint32_t z = 0; z < grid.size; ++z)
+        for (std::uint32_t x = 0; x < grid.size; ++x) {
+            const double height = double(grid.heights[std::size_t(z) * grid.size + x]) + grid.base_y;
+            if (!std::isfinite(height)) continue;
+            const double low[3] = {grid.low_x + x * grid.square_m, -1e9, grid.low_z + z * grid.square_m};
+            const double high[3] = {low[0] + grid.square_m, height, low[2] + grid.square_m};
+            double enter = near_m / std::max(1e-30, std::hypot(direction.x, direction.z)), leave = 1e30;
+            for (int axis = 0; axis < 3; ++axis) {
+                const double origin = eye[axis], step = direction[axis];
+                if (step == 0.0) {
+                    if (origin < low[axis] || origin > high[axis]) leave = -1.0;
+                    continue;
+                }
+                const double a = (low[axis] - origin) / step, b = (high[axis] - origin) / step;
+                enter = std::max(enter, std::min(a, b));
+                leave = std::min(leave, std::max(a, b));
+            }
+            if (enter <= leave) return true;
+        }
+    return false;
+}
+
+TEST(Horizon, no_pixel_that_a_ray_hits_is_called_sky_for_any_pitch_roll_and_eye) {
+    std::uint64_t true_sky = 0, found_sky = 0;
+    for (int seed = 0; seed < 120; ++seed) {
+        SCOPED_TRACE(seed);
+        Random random(seed);
+        const double square = random.between(1.0, 100.0);
+        OwnedHeightGrid world(16, random.between(-5e5, 5e5), random.between(-5e5, 5e5), square,
+                              random.between(-100, 100));
+        const double tallest = square * random.between(0.2, 4.0);
+        for (std::uint32_t z = 0; z < 16; ++z)
+            for (std::uint32_t x = 0; x < 16; ++x)
+                if (random.between(0, 1) < 0.5) world.at(x, z) = float(tallest * std::pow(random.between(0, 1), 3.0));
+        world.make_mips();
+
+        Camera camera;
+        const double margin = seed % 3 == 0 ? 12.0 : 0.0;
+        camera.position = {world.grid.low_x + square * random.between(-margin, 16.0 + margin),
+                           world.grid.base_y + tallest * random.between(seed % 2 ? 0.0 : -0.5, seed % 7 ? 0.8 : 6.0),
+                           world.grid.low_z + square * random.between(-margin, 16.0 + margin)};
+        camera.yaw = random.between(-kPi, kPi);
+        camera.pitch = seed % 9 == 0 ? kPi / 2 : seed % 10 == 0 ? -kPi / 2 : random.between(-kPi / 2, kPi / 2);
+        camera.roll = random.between(-kPi, kPi);
+        camera.vertical_fov = random.between(0.2, 2.4);
+        const HorizonSettings settings{.columns = seed % 4 ? 1280 : 128,
+                                       .near_distance_m = seed % 5 == 0 ? float(2.0 * square) : 0.0f,
+                                       .subsample = seed % 8 == 1   ? 2
+                                                    : seed % 8 == 2 ? 4
+                                                                    : 1};
+        const PinholeView view = make_view(camera, 75, 50);
+        HorizonMap map(settings);
+        map.update(world.grid, view);
+        PixelMask sky;
+        const std::uint64_t count = find_sky_pixels(view, map, sky);
+        EXPECT_EQ(count, sky.count());
+        for (int y = 0; y < view.height; ++y)
+            for (int x = 0; x < view.width; ++x) {
+                const bool hit =
+                    meets_bars(world, camera.position, DVec3(view.direction(x, y)), double(settings.near_distance_m));
+                ASSERT_FALSE(hit && sky.test(x, y)) << "pixel " << x << ", " << y;
+                // In open scenes nearly all of the sky is found; bars beside the eye cost more, as do coarse wedges.
+                if (settings.subsample == 1 && settings.columns == 1280) {
+                    true_sky += hit ? 0 : 1;
+                    found_sky += sky.test(x, y) ? 1 : 0;
+                }
+            }
+    }
+    EXPECT_GT(double(found_sky), 0.8 * double(true_sky));
+}
+
+TEST(Horizon, columns_of_a_view_hold_every_pixel_of_it) {
+    for (int seed = 0; seed < 300; ++seed) {
+        Random random(seed);
+        Camera camera;
+        camera.yaw = random.between(-kPi, kPi);
+        camera.pitch = random.between(-kPi / 2, kPi / 2);
+        camera.roll = random.between(-kPi, kPi);
+        camera.vertical_fov = random.between(0.1, 2.6);
+        const PinholeView view = make_view(camera, 40, 30);
+        const ColumnRange range = columns_of_view(view, 1280);
+        for (int y = 0; y < view.height; ++y)
+            for (int x = 0; x < view.width; ++x) {
+                const Vec3 direction = view.direction(x, y);
+                const int column = int(azimuth_turn(direction.x, direction.z) * 1280.0f) % 1280;
+                ASSERT_LT((column - range.first + 1280) % 1280, range.count) << "seed " << seed;
+            }
+    }
+}
+
+}  // namespace
+}  // namespace ff::farfield
