@@ -1,0 +1,76 @@
+#pragma once
+// Where a see-through triangle is there: the one rule of all casters, so that they agree in every leaf of every tree.
+//
+//   alpha = base colour factor * vertex colour * nearest texel of the mip whose texels are as large as the ray's
+//           footprint on the triangle
+//   masked:  opaque where alpha >= cutoff
+//   blended: opaque where alpha >= a threshold hashed from (instance, triangle, texel), so that coverage is right on
+//            average and nothing flickers (Wyman, McGuire, "Hashed Alpha Testing", I3D 2017)
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+
+#include "engine/scene/static_scene.h"
+#include "engine/scene/texel_address.h"
+
+namespace ff::farfield {
+
+/// What the test reads of one triangle of one instance.
+struct AlphaSurface {
+    Vec2 uv[3];
+    float alpha[3]{1.0f, 1.0f, 1.0f};         ///< vertex colour times base colour factor
+    float cutoff = 0.0f;                      ///< masked only
+    float texels_per_m = 0.0f;                ///< of mip 0, along one side, in the world
+    const scene::Texture* texture = nullptr;  ///< none: the factors alone
+    const std::uint32_t* texels = nullptr;    ///< of mip 0
+    bool is_see_through = false;              ///< else every point is opaque
+    bool is_blended = false;
+    std::uint32_t seed = 0;  ///< of the hashed threshold
+};
+
+/// @param instance_id  only names the hash; `instance` may be a dynamic one.
+[[nodiscard]] AlphaSurface make_alpha_surface(const scene::StaticScene& scene, const scene::Instance& instance,
+                                              std::uint32_t instance_id, std::uint32_t triangle);
+
+/// The mip level for a ray that is `footprint_m` wide where it hits: floor(log2(texels under it)), 0 for a footprint of
+/// 0, whole octaves so that every caster finds the same.
+[[nodiscard]] inline std::uint32_t alpha_level(const AlphaSurface& surface, float footprint_m) {
+    const float texels = std::max(footprint_m * surface.texels_per_m, 1.0f);
+    const auto octave = (std::bit_cast<std::uint32_t>(texels) >> 23) - 127u;
+    return std::min(octave, surface.texture->level_count - 1);
+}
+
+[[nodiscard]] inline float hashed_threshold(std::uint32_t seed, std::uint32_t x, std::uint32_t y) {
+    std::uint32_t h = seed ^ (x * 0x9E3779B1u) ^ (y * 0x85EBCA77u);
+    h = (h ^ (h >> 15)) * 0x2C1B3C6Du;
+    h = (h ^ (h >> 12)) * 0x297A2D39u;
+    h ^= h >> 15;
+    return float((h >> 8) + 1u) * (1.0f / 16777216.0f);  // (0, 1]
+}
+
+/// Whether the point with barycentrics (1 - b1 - b2, b1, b2) is there. Any float is answered.
+/// @param footprint_m  width of the ray at the hit, metres: depth * PinholeView::pixel_angle(); 0 for a bare ray.
+[[nodiscard]] inline bool is_opaque_at(const AlphaSurface& surface, float b1, float b2, float footprint_m) {
+    if (!surface.is_see_through) return true;
+    const float b0 = 1.0f - b1 - b2;
+    float alpha = surface.alpha[0] * b0 + surface.alpha[1] * b1 + surface.alpha[2] * b2;
+    std::uint32_t x, y;
+    if (surface.texture != nullptr) {
+        const scene::Texture& texture = *surface.texture;
+        const Vec2 uv = surface.uv[0] * b0 + surface.uv[1] * b1 + surface.uv[2] * b2;
+        const std::uint32_t level = alpha_level(surface, footprint_m);
+        const std::uint32_t width = std::max(1u, texture.width >> level);
+        x = scene::wrap_texel(uv.x, width, texture.wrap_u);
+        y = scene::wrap_texel(uv.y, std::max(1u, texture.height >> level), texture.wrap_v);
+        const std::uint32_t texel = surface.texels[scene::level_offset(texture, level) + std::size_t(y) * width + x];
+        alpha *= float(texel >> 24) * (1.0f / 255.0f);
+    } else {
+        x = scene::wrap_texel(b1, 64, scene::Wrap::clamp);
+        y = scene::wrap_texel(b2, 64, scene::Wrap::clamp);
+    }
+    return alpha >= (surface.is_blended ? hashed_threshold(surface.seed, x, y) : surface.cutoff);
+}
+
+}  // namespace ff::farfield
