@@ -35,7 +35,7 @@ class CacheKey {
     [[nodiscard]] std::string hex() const;  ///< 32 hex digits
 
   private:
-    std::string hashes_;  ///< 24 bytes a part: its length and its 128-bit hash
+    std::string hashes_;  ///< 40 bytes a part: its length and its 128-bit hash
 };
 
 /// Threads: find and store may be called from many at once.
@@ -56,13 +56,14 @@ class CookCache {
     [[nodiscard]] bool enabled() const { return !directory_.empty(); }
     [[nodiscard]] std::uint64_t hits() const { return hits_; }
     [[nodiscard]] std::uint64_t misses() const { return misses_; }
+    [[nodiscard]] std::uint64_t failed_stores() const { return failed_stores_; }
 
   private:
     [[nodiscard]] std::filesystem::path path_of(const CacheKey& key) const;
 
     std::filesystem::path directory_;
     std::uint64_t limit_bytes_;
-    std::atomic<std::uint64_t> hits_ = 0, misses_ = 0;
+    std::atomic<std::uint64_t> hits_ = 0, misses_ = 0, failed_stores_ = 0;
 };
 
 }  // namespace ff::cook

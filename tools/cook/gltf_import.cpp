@@ -1,0 +1,163 @@
+#include "tools/cook/gltf_import.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <optional>
+
+#include "engine/core/jobs.h"
+#include "tools/cook/gltf_material.h"
+#include "tools/cook/gltf_mesh.h"
+#include "tools/cook/gltf_nodes.h"
+#include "tools/cook/gltf_validate.h"
+
+namespace ff::cook {
+namespace {
+
+struct MaterialUse {
+    bool used = false;
+    bool translucent_vertices = false;  // some vertex colour has alpha below 1
+};
+
+std::vector<MaterialUse> material_use(const std::vector<scene::MeshSource>& meshes, std::size_t material_count) {
+    std::vector<MaterialUse> use(material_count);
+    for (const scene::MeshSource& mesh : meshes)
+        for (std::size_t t = 0; t < mesh.triangle_materials.size(); ++t) {
+            MaterialUse& material = use[mesh.triangle_materials[t]];
+            material.used = true;
+            for (std::size_t corner = 0; corner < 3; ++corner)
+                if (mesh.attributes[mesh.indices[3 * t + corner]].color >> 24 != 255)
+                    material.translucent_vertices = true;
+        }
+    return use;
+}
+
+// Rays and rasteriser pay for alpha; a material whose alpha never matters is opaque.
+void drop_needless_alpha(ImportedMaterials& imported, const std::vector<MaterialUse>& use) {
+    std::vector<std::uint32_t> least_alpha;
+    for (const SourceTexture& texture : imported.textures) {
+        std::uint32_t least = 255;
+        for (const std::uint32_t texel : texture.rgba) least = std::min(least, texel >> 24);
+        least_alpha.push_back(least);
+    }
+    for (std::size_t i = 0; i < imported.materials.size(); ++i) {
+        scene::Material& material = imported.materials[i];
+        if (use[i].translucent_vertices) continue;
+        const bool textured = material.base_color_texture != scene::kNoTexture;
+        const float alpha =
+            material.base_color.w * (textured ? static_cast<float>(least_alpha[material.base_color_texture]) : 255.0f);
+        if (alpha >= 255.0f * material.alpha_cutoff) material.flags &= ~scene::kMaterialAlphaMask;
+        if (alpha >= 255.0f) material.flags &= ~scene::kMaterialBlend;
+    }
+}
+
+DBox3 bounds_of(const scene::MeshSource& mesh, const ModelPart& part) {
+    DBox3 box;
+    for (const Vec3& p : mesh.positions) box.add(part.model_from_mesh * DVec3(p) + part.position);
+    return box;
+}
+
+std::uint32_t moved_texture(std::uint32_t texture, std::uint32_t first) {
+    return texture == scene::kNoTexture ? texture : texture + first;
+}
+
+// Everything has been read; from here on nothing fails except for room.
+Result<Model> append(const GltfFile& file, ImportedMaterials imported, std::vector<scene::MeshSource> meshes,
+                     const std::vector<std::size_t>& gltf_meshes, const std::vector<NodeInstance>& nodes,
+                     WorldSource& into) {
+    const std::vector<MaterialUse> use = material_use(meshes, imported.materials.size());
+    drop_needless_alpha(imported, use);
+
+    // Unused materials stay out: models share one world's 16-bit ids.
+    const auto first_texture = static_cast<std::uint32_t>(into.textures.size());
+    std::vector<std::uint16_t> material_ids(imported.materials.size(), 0);
+    const auto used = static_cast<std::size_t>(std::count_if(use.begin(), use.end(), [](auto& m) { return m.used; }));
+    if (into.materials.size() + used > 0xFFFF)
+        return file.error("materials", fmt::format("{} more in a world of {}; expected at most 65535 together", used,
+                                                   into.materials.size()));
+    for (std::size_t i = 0; i < imported.materials.size(); ++i) {
+        if (!use[i].used) continue;
+        scene::Material material = imported.materials[i];
+        material.base_color_texture = moved_texture(material.base_color_texture, first_texture);
+        material.emissive_texture = moved_texture(material.emissive_texture, first_texture);
+        material.metallic_roughness_texture = moved_texture(material.metallic_roughness_texture, first_texture);
+        material_ids[i] = static_cast<std::uint16_t>(into.materials.size());
+        into.materials.push_back(material);
+    }
+    std::move(imported.textures.begin(), imported.textures.end(), std::back_inserter(into.textures));
+
+    Model model;
+    model.name = std::filesystem::path(file.name).stem().string();
+    const auto first_mesh = static_cast<std::uint32_t>(into.meshes.size());
+    std::vector<std::uint32_t> uses(meshes.size(), 0);
+    for (const NodeInstance& node : nodes) {
+        const auto slot = static_cast<std::size_t>(std::lower_bound(gltf_meshes.begin(), gltf_meshes.end(), node.mesh) -
+                                                   gltf_meshes.begin());
+        const scene::MeshSource& mesh = meshes[slot];
+        if (mesh.triangle_materials.empty()) continue;
+        ModelPart part{.mesh = first_mesh + static_cast<std::uint32_t>(slot),
+                       .position = node.position,
+                       .model_from_mesh = node.model_from_mesh};
+        model.bounds.add(bounds_of(mesh, part));
+        model.triangle_count += mesh.triangle_materials.size();
+        ++uses[slot];
+        model.parts.push_back(part);
+    }
+    for (ModelPart& part : model.parts) part.use_count = uses[part.mesh - first_mesh];
+
+    for (std::size_t i = 0; i < meshes.size(); ++i) {
+        for (std::uint16_t& material : meshes[i].triangle_materials) material = material_ids[material];
+        into.meshes.push_back(
+            {.name = fmt::format("{}: meshes[{}]", file.name, gltf_meshes[i]), .geometry = std::move(meshes[i])});
+    }
+    into.bytes_in += file.bytes_read;
+    return model;
+}
+
+Result<Model> import_checked(const std::filesystem::path& path, WorldSource& into, CookContext& context) {
+    FF_ASSIGN(GltfFile file, open_gltf(path));
+    FF_TRY(validate_gltf(file, context));
+    FF_TRY(load_buffers(file));
+    FF_ASSIGN(const tinygltf::Model typed, parse_gltf(file));
+    FF_ASSIGN(const GltfData data, open_views(file, typed));
+    if (file.json.contains("skins") && !file.json.at("skins").empty())
+        context.warn(fmt::format("{}: has skins; meshes are drawn in their bind pose", file.name));
+
+    FF_ASSIGN(const std::vector<NodeInstance> nodes, flatten_nodes(data));
+    std::vector<std::size_t> gltf_meshes;  // those that the scene shows, ascending
+    for (const NodeInstance& node : nodes) gltf_meshes.push_back(node.mesh);
+    std::sort(gltf_meshes.begin(), gltf_meshes.end());
+    gltf_meshes.erase(std::unique(gltf_meshes.begin(), gltf_meshes.end()), gltf_meshes.end());
+
+    FF_ASSIGN(ImportedMaterials materials, read_materials(file, data, context));
+    std::vector<std::optional<Result<scene::MeshSource>>> read(gltf_meshes.size());
+    parallel_for(gltf_meshes.size(),
+                 [&](std::size_t i) { read[i].emplace(read_mesh(data, gltf_meshes[i], materials, context)); });
+    std::vector<scene::MeshSource> meshes;
+    for (auto& mesh : read) {
+        if (!*mesh) return mesh->error();
+        meshes.push_back(std::move(**mesh));
+    }
+    return append(file, std::move(materials), std::move(meshes), gltf_meshes, nodes, into);
+}
+
+}  // namespace
+
+Result<Model> import_gltf(const std::filesystem::path& path, WorldSource& into, CookContext& context) {
+    try {  // libraries that throw where memory or a value fails end here
+        return import_checked(path, into, context);
+    } catch (const std::exception& e) {
+        return bad_input(fmt::format("{}: document: {}; expected glTF 2.0", path.string(), e.what()));
+    }
+}
+
+void place_model(const Model& model, const DVec3& position, const DMat3& world_from_model, PlacementKind kind,
+                 WorldSource& into) {
+    for (const ModelPart& part : model.parts)
+        into.placements.push_back({.mesh = part.mesh,
+                                   .position = position + world_from_model * part.position,
+                                   .world_from_mesh = Mat3(world_from_model * part.model_from_mesh),
+                                   .kind = kind});
+}
+
+}  // namespace ff::cook

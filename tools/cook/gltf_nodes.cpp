@@ -1,0 +1,139 @@
+#include "tools/cook/gltf_nodes.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <glm/gtc/quaternion.hpp>
+
+namespace ff::cook {
+namespace {
+
+using nlohmann::json;
+
+/// x -> linear * x + translation, in double: deep hierarchies far from the origin keep their millimetres.
+struct Affine {
+    DMat3 linear{1.0};
+    DVec3 translation{0.0};
+};
+
+Affine operator*(const Affine& outer, const Affine& inner) {
+    return {outer.linear * inner.linear, outer.linear * inner.translation + outer.translation};
+}
+
+DMat3 rotation_scale(const glm::dquat& rotation, const DVec3& scale) {
+    const double length = glm::length(rotation);
+    DMat3 m = length > 0.0 ? glm::mat3_cast(rotation / length) : DMat3(1.0);
+    for (int i = 0; i < 3; ++i) m[i] *= scale[i];
+    return m;
+}
+
+Affine local_transform(const tinygltf::Node& node) {
+    Affine local;
+    if (node.matrix.size() == 16) {
+        for (int c = 0; c < 3; ++c)
+            for (int r = 0; r < 3; ++r) local.linear[c][r] = node.matrix[static_cast<std::size_t>(4 * c + r)];
+        local.translation = {node.matrix[12], node.matrix[13], node.matrix[14]};
+        return local;
+    }
+    glm::dquat rotation(1.0, 0.0, 0.0, 0.0);
+    DVec3 scale(1.0);
+    if (const auto& q = node.rotation; q.size() == 4) rotation = glm::dquat(q[3], q[0], q[1], q[2]);
+    if (const auto& s = node.scale; s.size() == 3) scale = {s[0], s[1], s[2]};
+    if (const auto& t = node.translation; t.size() == 3) local.translation = {t[0], t[1], t[2]};
+    local.linear = rotation_scale(rotation, scale);
+    return local;
+}
+
+bool is_regular(const Affine& transform) {
+    const double determinant = glm::determinant(transform.linear);
+    bool finite = std::isfinite(determinant);
+    for (int i = 0; i < 3; ++i) finite = finite && std::isfinite(transform.translation[i]);
+    // Against the size of its columns: a model in micrometres is not singular.
+    const double size =
+        glm::length(transform.linear[0]) * glm::length(transform.linear[1]) * glm::length(transform.linear[2]);
+    return finite && size > 1e-30 && std::abs(determinant) > 1e-9 * size;
+}
+
+// The transforms of EXT_mesh_gpu_instancing; one identity where a node has none.
+Result<std::vector<Affine>> instances_of(const GltfData& data, std::size_t node) {
+    const json::json_pointer at("/extensions/EXT_mesh_gpu_instancing/attributes");
+    const json& source = data.file.json.at("nodes")[node];
+    if (!source.contains(at)) return std::vector<Affine>(1);
+    std::vector<float> translation, rotation, scale;
+    std::size_t count = 0;
+    bool first = true;
+    for (const auto& [name, accessor] : source.at(at).items()) {
+        std::vector<float>* into = name == "TRANSLATION" ? &translation
+                                   : name == "ROTATION"  ? &rotation
+                                   : name == "SCALE"     ? &scale
+                                                         : nullptr;
+        if (into == nullptr) continue;
+        const std::string place = fmt::format("nodes[{}].extensions.EXT_mesh_gpu_instancing.attributes.{}", node, name);
+        const std::size_t components = into == &rotation ? 4 : 3;
+        FF_ASSIGN(*into, read_floats(data, accessor.get<int>(), components, place));
+        const std::size_t elements = into->size() / components;
+        if (!first && elements != count)
+            return data.file.error(place, fmt::format("{} elements; expected {} as in the others", elements, count));
+        count = elements;
+        first = false;
+    }
+    std::vector<Affine> instances(count);
+    for (std::size_t i = 0; i < count; ++i) {
+        glm::dquat q(1.0, 0.0, 0.0, 0.0);
+        DVec3 s(1.0);
+        if (!rotation.empty())
+            q = glm::dquat(rotation[4 * i + 3], rotation[4 * i], rotation[4 * i + 1], rotation[4 * i + 2]);
+        if (!scale.empty()) s = {scale[3 * i], scale[3 * i + 1], scale[3 * i + 2]};
+        instances[i].linear = rotation_scale(q, s);
+        if (!translation.empty())
+            instances[i].translation = {translation[3 * i], translation[3 * i + 1], translation[3 * i + 2]};
+    }
+    return instances;
+}
+
+std::vector<int> root_nodes(const tinygltf::Model& model) {
+    if (!model.scenes.empty()) {
+        const int scene = model.defaultScene >= 0 ? model.defaultScene : 0;
+        return model.scenes[static_cast<std::size_t>(scene)].nodes;
+    }
+    std::vector<bool> is_child(model.nodes.size(), false);
+    for (const tinygltf::Node& node : model.nodes)
+        for (const int child : node.children) is_child[static_cast<std::size_t>(child)] = true;
+    std::vector<int> roots;
+    for (std::size_t i = 0; i < model.nodes.size(); ++i)
+        if (!is_child[i]) roots.push_back(static_cast<int>(i));
+    return roots;
+}
+
+}  // namespace
+
+Result<std::vector<NodeInstance>> flatten_nodes(const GltfData& data) {
+    struct Pending {
+        int node;
+        Affine parent;
+    };
+    std::vector<NodeInstance> flat;
+    std::vector<Pending> stack;  // not recursion: a chain of nodes may be as long as the file
+    const std::vector<int> roots = root_nodes(data.model);
+    for (auto root = roots.rbegin(); root != roots.rend(); ++root) stack.push_back({*root, {}});
+    while (!stack.empty()) {
+        const Pending pending = stack.back();
+        stack.pop_back();
+        const auto index = static_cast<std::size_t>(pending.node);
+        const tinygltf::Node& node = data.model.nodes[index];
+        const Affine transform = pending.parent * local_transform(node);
+        if (node.mesh >= 0) {
+            FF_ASSIGN(const std::vector<Affine> instances, instances_of(data, index));
+            for (const Affine& instance : instances) {
+                const Affine placed = transform * instance;
+                if (is_regular(placed))
+                    flat.push_back({static_cast<std::size_t>(node.mesh), placed.translation, placed.linear});
+            }
+        }
+        for (auto child = node.children.rbegin(); child != node.children.rend(); ++child)
+            stack.push_back({*child, transform});
+    }
+    return flat;
+}
+
+}  // namespace ff::cook
