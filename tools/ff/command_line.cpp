@@ -80,7 +80,7 @@ int run(int argc, const char* const* argv) {
     cook_app->add_option("SOURCE", cook.source, "scene.toml, .gltf or .glb")->required();
     cook_app->add_option("-o,--output", cook.output, "The pack to write, NAME.ffpack")->required();
     cook_app->add_option("--scale", cook.scale, "Make about N times the triangles of the source")
-        ->check(CLI::Range(1.0, 1000.0));
+        ->check(CLI::Range(1, 1000));
     cook_app->add_option("--jobs", cook.jobs, "Worker threads; 0: as many as the machine has")
         ->check(CLI::Range(0, 1024));
     cook_app->add_option("--cache", cook.cache_dir, "Folder of the cook cache; default: the user's cache folder");

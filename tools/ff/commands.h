@@ -29,7 +29,7 @@ struct ViewOptions {
 
 struct CookOptions {
     std::filesystem::path source, output;
-    double scale = 1.0;
+    int scale = 1;
     int jobs = 0;
     bool json = false;
     std::filesystem::path cache_dir;  ///< empty: the user's cache

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <span>
+
+#include "engine/frame/run_passes.h"
+
+namespace ff::frame {
+
+/// Frame after frame of one world at one image size: plans, carries out, learns the costs. What a game's loop calls.
+/// Threads: one; the passes use the workers of jobs.h.
+class Renderer {
+  public:
+    /// Borrows all; they must outlive it. @param near_renderer  may be null where there is no OpenGL
+    Renderer(const scene::StaticScene& scene, Casters& casters, nearfield::NearRenderer* near_renderer, int width,
+             int height);
+
+    /// Draws one frame. The first frame of a mode may build its caster, which takes as long as it takes.
+    const FrameStats& draw(const Camera& camera, std::span<const scene::Instance> dynamic,
+                           const FrameSettings& settings, shading::Image& image);
+
+    /// Forgets all earlier frames, as after a teleport or before a new lap of a bench.
+    void reset();
+
+    [[nodiscard]] const FramePlan& plan() const { return plan_; }
+    [[nodiscard]] const FrameHistory& history() const { return history_; }
+
+  private:
+    Tools tools_;
+    int width_, height_;
+    FrameHistory history_;
+    FramePlan plan_;
+};
+
+}  // namespace ff::frame

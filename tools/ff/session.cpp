@@ -1,0 +1,98 @@
+#include "tools/ff/session.h"
+
+#include <fmt/format.h>
+
+#include <cstdlib>
+
+#include "engine/core/hash.h"
+#include "engine/core/log.h"
+#include "engine/scene/instance_bounds.h"
+#include "engine/scene/load_world.h"
+#include "tools/cook/cook.h"
+
+namespace ff::tool {
+namespace {
+
+std::filesystem::path cache_directory() {
+    if (const char* cache = std::getenv("XDG_CACHE_HOME"); cache != nullptr && *cache != '\0')
+        return std::filesystem::path(cache) / "farfield";
+    if (const char* home = std::getenv("HOME"); home != nullptr && *home != '\0')
+        return std::filesystem::path(home) / ".cache" / "farfield";
+    return std::filesystem::temp_directory_path() / "farfield";
+}
+
+/// Where a source's pack lies in the cache: named after the source and its place.
+std::filesystem::path cached_pack_path(const std::filesystem::path& source) {
+    const std::string place = std::filesystem::absolute(source).lexically_normal().string();
+    const auto hash = hash_bytes(std::as_bytes(std::span(place.data(), place.size())));
+    return cache_directory() / "packs" / fmt::format("{}-{:016x}.ffpack", source.stem().string(), hash);
+}
+
+}  // namespace
+
+Result<std::filesystem::path> pack_of(const std::string& pack_or_source) {
+    const std::filesystem::path path(pack_or_source);
+    if (!std::filesystem::exists(path)) return bad_input(fmt::format("{}: there is no such file", pack_or_source));
+    const std::string ending = path.extension().string();
+    if (ending != ".toml" && ending != ".gltf" && ending != ".glb") return path;
+
+    const std::filesystem::path pack = cached_pack_path(path);
+    std::error_code error;
+    std::filesystem::create_directories(pack.parent_path(), error);
+    if (error) return failure(fmt::format("{}: cannot create: {}", pack.parent_path().string(), error.message()));
+    log_info("{} is a source: cooking it into the cache", pack_or_source);
+    FF_ASSIGN(const cook::CookReport report, cook::cook(path, pack, {}));
+    log_info("{}", report.to_text());
+    return pack;
+}
+
+Result<std::unique_ptr<scene::World>> open_world(const std::string& pack_or_source) {
+    FF_ASSIGN(const std::filesystem::path pack, pack_of(pack_or_source));
+    return scene::load_world(pack);
+}
+
+Result<scene::Walk> find_walk(const scene::World& world, const std::string& name_or_file) {
+    if (const scene::Walk* walk = world.find_walk(name_or_file)) return *walk;
+    if (std::filesystem::exists(name_or_file)) return scene::load_walk(name_or_file);
+    std::string names;
+    for (const scene::Walk& walk : world.info().walks) names += (names.empty() ? "" : ", ") + walk.name;
+    return bad_input(
+        fmt::format("--walk {}: neither a file nor a walk of this pack, which has {}", name_or_file, names));
+}
+
+scene::Instance make_instance(const scene::StaticScene& scene, const scene::DynamicInstance& moving) {
+    scene::Instance instance{
+        .position = moving.position, .world_from_mesh = moving.world_from_mesh, .mesh = moving.mesh};
+    instance.bounds = scene::world_box(instance, scene.meshes[moving.mesh].bounds);
+    return instance;
+}
+
+std::vector<scene::Instance> dynamic_instances(const scene::World& world) {
+    std::vector<scene::Instance> instances;
+    for (const scene::DynamicInstance& moving : world.info().dynamic_instances)
+        instances.push_back(make_instance(world.scene(), moving));
+    return instances;
+}
+
+Session::Session() = default;
+Session::~Session() = default;
+
+Result<std::unique_ptr<Session>> Session::open(const ViewOptions& options, bool may_rasterise) {
+    auto session = std::unique_ptr<Session>(new Session);
+    FF_ASSIGN(session->world_, open_world(options.pack));
+    FF_ASSIGN(session->walk_, find_walk(*session->world_, options.walk));
+    session->casters_ = std::make_unique<frame::Casters>(session->world_->scene());
+    session->dynamic_ = dynamic_instances(*session->world_);
+    (void)may_rasterise;
+    return session;
+}
+
+nearfield::NearRenderer* Session::near_renderer() {
+    return nullptr;
+}
+
+std::unique_ptr<frame::Renderer> Session::make_renderer(const ImageSize& size) {
+    return std::make_unique<frame::Renderer>(world_->scene(), *casters_, near_renderer(), size.width, size.height);
+}
+
+}  // namespace ff::tool

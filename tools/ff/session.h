@@ -1,0 +1,48 @@
+#pragma once
+// A world opened for drawing, as the drawing subcommands share it.
+
+#include <memory>
+#include <string>
+
+#include "engine/core/result.h"
+#include "engine/frame/renderer.h"
+#include "engine/scene/walk.h"
+#include "engine/scene/world.h"
+#include "tools/ff/commands.h"
+
+namespace ff::tool {
+
+/// The pack itself, or for a source (scene.toml, .gltf, .glb) the pack that it is cooked into in the user's cache.
+Result<std::filesystem::path> pack_of(const std::string& pack_or_source);
+
+/// Opens a pack; a source (scene.toml, .gltf, .glb) is cooked into the user's cache first.
+Result<std::unique_ptr<scene::World>> open_world(const std::string& pack_or_source);
+
+/// A walk that the pack has, or a .walk.json file. Errors: neither; the message lists the names that there are.
+Result<scene::Walk> find_walk(const scene::World& world, const std::string& name_or_file);
+
+/// A world, a walk, and what draws them headless.
+class Session {
+  public:
+    /// @param may_rasterise  open OpenGL too; a hybrid without it keeps its near distance at 0
+    static Result<std::unique_ptr<Session>> open(const ViewOptions& options, bool may_rasterise);
+    ~Session();
+
+    [[nodiscard]] const scene::World& world() const { return *world_; }
+    [[nodiscard]] const scene::Walk& walk() const { return walk_; }
+    [[nodiscard]] std::span<const scene::Instance> dynamic() const { return dynamic_; }
+    [[nodiscard]] frame::Casters& casters() { return *casters_; }
+    [[nodiscard]] nearfield::NearRenderer* near_renderer();
+    [[nodiscard]] std::string gl_renderer_name() const;
+    /// A renderer with a history of its own.
+    [[nodiscard]] std::unique_ptr<frame::Renderer> make_renderer(const ImageSize& size);
+
+  private:
+    Session();
+    std::unique_ptr<scene::World> world_;
+    scene::Walk walk_;
+    std::vector<scene::Instance> dynamic_;
+    std::unique_ptr<frame::Casters> casters_;
+};
+
+}  // namespace ff::tool

@@ -1,0 +1,99 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "engine/core/log.h"
+#include "engine/core/write_file.h"
+#include "engine/platform/output.h"
+#include "tools/ff/image_file.h"
+#include "tools/ff/session.h"
+#include "tools/ff/stats_json.h"
+#include "tools/ff/walk_window.h"
+
+namespace ff::tool {
+namespace {
+
+constexpr std::size_t kDefaultPictures = 8;
+
+std::string environment(const char* name) {
+    const char* value = std::getenv(name);
+    return value == nullptr ? std::string() : std::string(value);
+}
+
+Status walk_headless(const WalkOptions& options) {
+    std::error_code error;
+    std::filesystem::create_directories(options.out, error);
+    if (error) return failure(fmt::format("{}: cannot create: {}", options.out.string(), error.message()));
+    FF_ASSIGN(const std::unique_ptr<Session> session, Session::open(options.view, true));
+    const scene::Walk& walk = session->walk();
+    const std::size_t every = options.every > 0 ? std::size_t(options.every)
+                                                : std::max<std::size_t>(1, walk.frames.size() / kDefaultPictures);
+
+    std::optional<VideoWriter> video;
+    const std::filesystem::path video_path = options.out / "walk.mp4";
+    if (options.video) {
+        FF_ASSIGN(VideoWriter opened,
+                  VideoWriter::open(video_path, options.view.size.width, options.view.size.height, walk.rate_hz));
+        video.emplace(std::move(opened));
+    }
+
+    const auto renderer = session->make_renderer(options.view.size);
+    shading::Image image;
+    nlohmann::json frames = nlohmann::json::array();
+    std::vector<double> times;
+    std::size_t pictures = 0;
+    {
+        Progress progress("walking", walk.frames.size());
+        for (std::size_t f = 0; f < walk.frames.size(); ++f) {
+            const frame::FrameStats& stats =
+                renderer->draw(walk.camera(f), session->dynamic(), options.view.frame, image);
+            frames.push_back(to_json(stats));
+            times.push_back(stats.frame_ms);
+            if (f % every == 0) {
+                FF_TRY(write_image(options.out / fmt::format("frame{:05}.png", f), image));
+                ++pictures;
+            }
+            if (video) FF_TRY(video->add(image));
+            progress.advance();
+        }
+    }
+    if (video) FF_TRY(video->close());
+
+    std::vector<double> sorted = times;
+    std::sort(sorted.begin(), sorted.end());
+    const nlohmann::json stats{{"scene", session->world().info().name},
+                               {"walk", walk.name},
+                               {"width", options.view.size.width},
+                               {"height", options.view.size.height},
+                               {"gl_renderer", session->gl_renderer_name()},
+                               {"frame_ms",
+                                {{"median", sorted[sorted.size() / 2]},
+                                 {"p99", sorted[(sorted.size() - 1) * 99 / 100]},
+                                 {"max", sorted.back()}}},
+                               {"frames", frames}};
+    FF_TRY(write_file_whole(options.out / "stats.json", stats.dump(1)));
+    log_info("walked '{}' of {}: {} frames, median {:.2f} ms, worst {:.2f} ms", walk.name, session->world().info().name,
+             times.size(), sorted[sorted.size() / 2], sorted.back());
+    log_info("{}: {} pictures{} and stats.json", std::filesystem::absolute(options.out).string(), pictures,
+             video ? ", walk.mp4" : "");
+    return {};
+}
+
+}  // namespace
+
+Status run_walk(const WalkOptions& options) {
+    const auto wish = options.target == WalkTarget::window     ? platform::OutputWish::window
+                      : options.target == WalkTarget::headless ? platform::OutputWish::headless
+                                                               : platform::OutputWish::either;
+    if (platform::choose_output(wish, environment("DISPLAY"), environment("WAYLAND_DISPLAY")) ==
+        platform::Output::window)
+        return walk_in_window(options);
+    if (wish == platform::OutputWish::either)
+        log_info("no display (DISPLAY and WAYLAND_DISPLAY are empty): walking headless into {}", options.out.string());
+    return walk_headless(options);
+}
+
+}  // namespace ff::tool
