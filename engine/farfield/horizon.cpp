@@ -41,8 +41,8 @@ bool contains(ColumnRange outer, int column, int columns) {
 }  // namespace
 
 HorizonMap::HorizonMap(const HorizonSettings& settings) : settings_(settings) {
-    FF_CHECK(settings.columns >= 64 && settings.columns <= 8192 && settings.columns % 4 == 0, "{} horizon columns",
-             settings.columns);
+    FF_CHECK(settings.columns >= 64 && settings.columns <= kMaxHorizonColumns && settings.columns % 4 == 0,
+             "{} horizon columns", settings.columns);
     const std::size_t size = std::size_t(settings.columns) + kPadding;
     for (std::vector<float>* table : {&max_x_, &max_z_, &min_x_, &min_z_}) table->resize(size);
     traced_.assign(size, kInfinity);
@@ -91,7 +91,16 @@ void HorizonMap::make_wedges() {
 }
 
 HorizonCost HorizonMap::update(const scene::HeightGrid& grid, const PinholeView& view) {
-    return update(grid, view.position, columns_of_view(view, settings_.columns));
+    const int all = settings_.columns;
+    ColumnRange wanted = columns_of_view(view, all);
+    // Whatever has to be traced is traced a little wider, so that a turning head does not ask again every frame.
+    const bool known = heights_ == grid.heights.data() && eye_ == view.position && valid_.count > 0 &&
+                       modulo(wanted.first - valid_.first, all) + wanted.count <= valid_.count;
+    if (valid_.count != all && !known) {
+        const int margin = all / 64;
+        wanted = {modulo(wanted.first - margin, all), std::min(all, wanted.count + 2 * margin)};
+    }
+    return update(grid, view.position, wanted);
 }
 
 HorizonCost HorizonMap::update(const scene::HeightGrid& grid, const WorldPos& eye, ColumnRange wanted) {

@@ -26,6 +26,10 @@ using DI = hn::RebindToSigned<decltype(d)>;
 using V = hn::VFromD<decltype(d)>;
 constexpr DI di;
 
+HWY_INLINE float length_of(float a, float b) {
+    return std::sqrt(a * a + b * b);
+}
+
 /// Decides each pixel of the tile at (x, y).
 void decide_pixels(const PinholeView& view, const float* tangents, int columns, int x, int y, TileMask& mask) {
     const Mat3& m = view.world_from_camera;
@@ -89,19 +93,19 @@ std::uint64_t find_sky(const PinholeView& view, const float* tangents, int colum
             const Vec3 corner[4] = {m * Vec3(u0, v0, -1.0f), m * Vec3(u1, v0, -1.0f), m * Vec3(u1, v1, -1.0f),
                                     m * Vec3(u0, v1, -1.0f)};
             const Vec3 center = m * Vec3(0.5f * (u0 + u1), 0.5f * (v0 + v1), -1.0f);
-            const float radius = 0.5f * std::hypot(u1 - u0, v1 - v0);
-            const float shortest = std::hypot(center.x, center.z) - radius;  // of horizontal lengths in the tile
+            const float radius = 0.5f * length_of(u1 - u0, v1 - v0);
+            const float shortest = length_of(center.x, center.z) - radius;  // of horizontal lengths in the tile
             bool decided = false;
             if (shortest > kSlack) {
                 float longest = 0.0f, lowest_y = kInfinity, highest_y = -kInfinity;
                 float low_turn = 0.0f, high_turn = 0.0f;
                 const float middle = azimuth_turn(center.x, center.z);
                 for (const Vec3& c : corner) {
-                    longest = std::max(longest, std::hypot(c.x, c.z));
+                    longest = std::max(longest, length_of(c.x, c.z));
                     lowest_y = std::min(lowest_y, c.y);
                     highest_y = std::max(highest_y, c.y);
                     float offset = azimuth_turn(c.x, c.z) - middle;
-                    offset -= std::round(offset);
+                    offset -= std::floor(offset + 0.5f);
                     low_turn = std::min(low_turn, offset);
                     high_turn = std::max(high_turn, offset);
                 }

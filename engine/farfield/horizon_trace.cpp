@@ -8,6 +8,7 @@
 #include "engine/farfield/horizon_trace.h"
 
 #include <algorithm>
+#include <bit>
 #include <limits>
 
 #include "engine/farfield/horizon_azimuth.h"
@@ -27,6 +28,8 @@ using DI = hn::RebindToSigned<D>;
 using V = hn::VFromD<D>;
 constexpr D d;
 constexpr DI di;
+
+constexpr float kSlackSquares = 1e-6f;  // covers the rounding of offsets beside the eye
 
 /// A square and what it may add: in column c, where it rises above the eye
 ///   rise * min(max_x[c] * a, max_z[c] * b, 1 / near), a and b being 1 / gap along x and z,
@@ -57,58 +60,76 @@ HWY_INLINE V azimuth_turn_v(V x, V z) {
     return hn::IfThenElse(hn::Lt(x, hn::Zero(d)), hn::Sub(hn::Set(d, 1.0f), turn), turn);
 }
 
-/// Fills rise, a, b, first and count from x, z and height.
-void compute_bounds(const HorizonTraceInput& in, int level, Batch& batch) {
-    const V zero = hn::Zero(d), one = hn::Set(d, 1.0f);
-    const V size = hn::Set(d, float(1 << level));
-    const V columns = hn::Set(d, float(in.columns));
+/// Offsets of a batch's squares from the eye, in squares of level 0.
+struct Extent {
+    V low_x, low_z, high_x, high_z;
+    V gap_x, gap_z;  // 0 where the eye is within
+};
+
+HWY_INLINE Extent extent_of(const HorizonTraceInput& in, int level, const Batch& batch, std::size_t i) {
+    const V zero = hn::Zero(d), size = hn::Set(d, float(1 << level)), slack = hn::Set(d, kSlackSquares);
+    const auto corner_x = hn::Sub(hn::ShiftLeftSame(hn::Load(di, batch.x + i), level), hn::Set(di, in.eye_x));
+    const auto corner_z = hn::Sub(hn::ShiftLeftSame(hn::Load(di, batch.z + i), level), hn::Set(di, in.eye_z));
+    Extent e;
+    e.low_x = hn::Sub(hn::ConvertTo(d, corner_x), hn::Set(d, in.frac_x));
+    e.low_z = hn::Sub(hn::ConvertTo(d, corner_z), hn::Set(d, in.frac_z));
+    e.high_x = hn::Add(e.low_x, size);
+    e.high_z = hn::Add(e.low_z, size);
+    e.gap_x = hn::Max(hn::Sub(hn::Max(e.low_x, hn::Neg(e.high_x)), slack), zero);
+    e.gap_z = hn::Max(hn::Sub(hn::Max(e.low_z, hn::Neg(e.high_z)), slack), zero);
+    return e;
+}
+
+/// Fills rise, a and b of a vector of squares.
+HWY_INLINE void compute_rise(const HorizonTraceInput& in, const Extent& e, Batch& batch, std::size_t i) {
+    const V one = hn::Set(d, 1.0f), slack = hn::Set(d, kSlackSquares);
+    const V far_x = hn::Add(hn::Max(hn::Neg(e.low_x), e.high_x), slack);
+    const V far_z = hn::Add(hn::Max(hn::Neg(e.low_z), e.high_z), slack);
+    V rise = hn::Mul(hn::Sub(hn::Load(d, batch.height + i), hn::Set(d, in.eye_height_m)), hn::Set(d, in.squares_per_m));
+    // Wholly nearer than the near distance: not ours.
+    const V far2 = hn::Add(hn::Mul(far_x, far_x), hn::Mul(far_z, far_z));
+    rise = hn::IfThenElse(hn::Le(far2, hn::Set(d, in.near_squares * in.near_squares)),
+                          hn::Set(d, -std::numeric_limits<float>::infinity()), rise);
+    const auto above = hn::Gt(rise, hn::Zero(d));
+    hn::Store(rise, d, batch.rise + i);
+    hn::Store(hn::Div(one, hn::IfThenElse(above, e.gap_x, far_x)), d, batch.a + i);
+    hn::Store(hn::Div(one, hn::IfThenElse(above, e.gap_z, far_z)), d, batch.b + i);
+}
+
+/// Fills first and count of a vector of squares.
+HWY_INLINE void compute_columns(const HorizonTraceInput& in, int level, const Extent& e, Batch& batch, std::size_t i) {
+    const V zero = hn::Zero(d), one = hn::Set(d, 1.0f), columns = hn::Set(d, float(in.columns));
     // Coarser squares get a wider margin than what they hold, so that rounding cannot leave a descendant outside.
     const V margin = hn::Set(d, in.column_margin * float(1 + level));
-    const V slack = hn::Set(d, 1e-6f);
+    // The two corners of the silhouette, clockwise, from which of the nine regions around it the eye looks.
+    const auto east = hn::Gt(e.low_x, zero), west = hn::Lt(e.high_x, zero);
+    const auto south = hn::Gt(e.low_z, zero), north = hn::Lt(e.high_z, zero);
+    const auto between_x = hn::Not(hn::Or(east, west)), between_z = hn::Not(hn::Or(north, south));
+    const auto level_east = hn::And(between_z, east);
+    const V start_x = hn::IfThenElse(hn::Or(north, level_east), e.low_x, e.high_x);
+    const V start_z = hn::IfThenElse(hn::Or(east, hn::And(between_x, south)), e.low_z, e.high_z);
+    const V end_x = hn::IfThenElse(hn::Or(south, level_east), e.low_x, e.high_x);
+    const V end_z = hn::IfThenElse(hn::Or(east, hn::And(between_x, north)), e.high_z, e.low_z);
+
+    const V start = hn::Floor(hn::Sub(hn::Mul(azimuth_turn_v(start_x, start_z), columns), margin));
+    const V end = hn::Floor(hn::Add(hn::Mul(azimuth_turn_v(end_x, end_z), columns), margin));
+    V count = hn::Add(hn::Sub(end, start), one);
+    count = hn::IfThenElse(hn::Le(count, zero), hn::Add(count, columns), count);
+    // With the eye in the square (or as near as rounding can tell) it is all around.
+    const auto inside = hn::And(hn::Eq(e.gap_x, zero), hn::Eq(e.gap_z, zero));
+    count = hn::IfThenElse(inside, columns, hn::Min(count, columns));
+    V first = hn::IfThenElse(hn::Lt(start, zero), hn::Add(start, columns), start);
+    first = hn::IfThenElse(hn::Or(inside, hn::Ge(first, columns)), zero, first);
+    hn::Store(hn::ConvertTo(di, first), di, batch.first + i);
+    hn::Store(hn::ConvertTo(di, count), di, batch.count + i);
+}
+
+/// Fills rise, a, b, first and count from x, z and height.
+void compute_bounds(const HorizonTraceInput& in, int level, Batch& batch) {
     for (std::size_t i = 0; i < 16; i += hn::Lanes(d)) {
-        const auto corner_x = hn::Sub(hn::ShiftLeftSame(hn::Load(di, batch.x + i), level), hn::Set(di, in.eye_x));
-        const auto corner_z = hn::Sub(hn::ShiftLeftSame(hn::Load(di, batch.z + i), level), hn::Set(di, in.eye_z));
-        const V low_x = hn::Sub(hn::ConvertTo(d, corner_x), hn::Set(d, in.frac_x));
-        const V low_z = hn::Sub(hn::ConvertTo(d, corner_z), hn::Set(d, in.frac_z));
-        const V high_x = hn::Add(low_x, size), high_z = hn::Add(low_z, size);
-
-        const V gap_x = hn::Max(hn::Sub(hn::Max(low_x, hn::Neg(high_x)), slack), zero);
-        const V gap_z = hn::Max(hn::Sub(hn::Max(low_z, hn::Neg(high_z)), slack), zero);
-        const V far_x = hn::Add(hn::Max(hn::Neg(low_x), high_x), slack);
-        const V far_z = hn::Add(hn::Max(hn::Neg(low_z), high_z), slack);
-
-        V rise =
-            hn::Mul(hn::Sub(hn::Load(d, batch.height + i), hn::Set(d, in.eye_height_m)), hn::Set(d, in.squares_per_m));
-        // Wholly nearer than the near distance: not ours.
-        const V far2 = hn::Add(hn::Mul(far_x, far_x), hn::Mul(far_z, far_z));
-        rise = hn::IfThenElse(hn::Le(far2, hn::Set(d, in.near_squares * in.near_squares)),
-                              hn::Set(d, -std::numeric_limits<float>::infinity()), rise);
-        const auto above = hn::Gt(rise, zero);
-        hn::Store(rise, d, batch.rise + i);
-        hn::Store(hn::Div(one, hn::IfThenElse(above, gap_x, far_x)), d, batch.a + i);
-        hn::Store(hn::Div(one, hn::IfThenElse(above, gap_z, far_z)), d, batch.b + i);
-
-        // The two corners of the silhouette, clockwise, from which of the nine regions around it the eye looks.
-        const auto east = hn::Gt(low_x, zero), west = hn::Lt(high_x, zero);
-        const auto south = hn::Gt(low_z, zero), north = hn::Lt(high_z, zero);
-        const auto between_x = hn::Not(hn::Or(east, west)), between_z = hn::Not(hn::Or(north, south));
-        const auto level_east = hn::And(between_z, east);
-        const V start_x = hn::IfThenElse(hn::Or(north, level_east), low_x, high_x);
-        const V start_z = hn::IfThenElse(hn::Or(east, hn::And(between_x, south)), low_z, high_z);
-        const V end_x = hn::IfThenElse(hn::Or(south, level_east), low_x, high_x);
-        const V end_z = hn::IfThenElse(hn::Or(east, hn::And(between_x, north)), high_z, low_z);
-
-        const V start = hn::Floor(hn::Sub(hn::Mul(azimuth_turn_v(start_x, start_z), columns), margin));
-        const V end = hn::Floor(hn::Add(hn::Mul(azimuth_turn_v(end_x, end_z), columns), margin));
-        V count = hn::Add(hn::Sub(end, start), one);
-        count = hn::IfThenElse(hn::Le(count, zero), hn::Add(count, columns), count);
-        // With the eye in the square (or as near as rounding can tell) it is all around.
-        const auto inside = hn::And(hn::Eq(gap_x, zero), hn::Eq(gap_z, zero));
-        count = hn::IfThenElse(inside, columns, hn::Min(count, columns));
-        V first = hn::IfThenElse(hn::Lt(start, zero), hn::Add(start, columns), start);
-        first = hn::IfThenElse(hn::Or(inside, hn::Ge(first, columns)), zero, first);
-        hn::Store(hn::ConvertTo(di, first), di, batch.first + i);
-        hn::Store(hn::ConvertTo(di, count), di, batch.count + i);
+        const Extent extent = extent_of(in, level, batch, i);
+        compute_rise(in, extent, batch, i);
+        compute_columns(in, level, extent, batch, i);
     }
 }
 
@@ -121,21 +142,70 @@ HWY_INLINE V tangents_of(const HorizonTraceInput& in, std::size_t c, V rise, V a
     return hn::Mul(rise, hn::Max(hn::Mul(hn::LoadU(d, in.min_x + c), a), hn::Mul(hn::LoadU(d, in.min_z + c), b)));
 }
 
+/// Bounds over a square's columns, by which its children are judged all at once.
+struct Survey {
+    bool raises = false;               ///< the square itself raises some column
+    float lowest;                      ///< of the tangents so far
+    float max_x, max_z, min_x, min_z;  ///< of the wedges
+};
+
 template <bool kAbove>
-bool raises_any(const HorizonTraceInput& in, const Bound& bound, const float* tangents) {
+Survey survey_columns(const HorizonTraceInput& in, const Bound& bound, const float* tangents) {
     const V rise = hn::Set(d, bound.rise), a = hn::Set(d, bound.a), b = hn::Set(d, bound.b);
     const V inverse_near = hn::Set(d, 1.0f / in.near_squares);
-    const int end = bound.first + bound.count;
-    const auto range = [&](int first, int last) {
+    V lowest = hn::Set(d, std::numeric_limits<float>::infinity());
+    V max_x = hn::Zero(d), max_z = max_x, min_x = hn::Set(d, 1.0f), min_z = min_x;
+    auto raises = hn::Gt(max_x, min_x);
+    const auto range = [&](int first, int last) HWY_ATTR {
         for (int c = first; c < last; c += int(hn::Lanes(d))) {
-            const auto higher =
-                hn::Gt(tangents_of<kAbove>(in, std::size_t(c), rise, a, b, inverse_near), hn::LoadU(d, tangents + c));
-            if (!hn::AllFalse(d, hn::And(higher, hn::FirstN(d, std::size_t(last - c))))) return true;
+            const auto inside = hn::FirstN(d, std::size_t(last - c));
+            const V old =
+                hn::IfThenElse(inside, hn::LoadU(d, tangents + c), hn::Set(d, std::numeric_limits<float>::infinity()));
+            raises = hn::Or(raises, hn::Gt(tangents_of<kAbove>(in, std::size_t(c), rise, a, b, inverse_near), old));
+            lowest = hn::Min(lowest, old);
+            max_x = hn::Max(max_x, hn::IfThenElseZero(inside, hn::LoadU(d, in.max_x + c)));
+            max_z = hn::Max(max_z, hn::IfThenElseZero(inside, hn::LoadU(d, in.max_z + c)));
+            min_x = hn::IfThenElse(inside, hn::Min(min_x, hn::LoadU(d, in.min_x + c)), min_x);
+            min_z = hn::IfThenElse(inside, hn::Min(min_z, hn::LoadU(d, in.min_z + c)), min_z);
         }
-        return false;
     };
-    if (end <= in.columns) return range(bound.first, end);
-    return range(bound.first, in.columns) || range(0, end - in.columns);
+    const int end = bound.first + bound.count;
+    range(bound.first, std::min(end, in.columns));
+    if (end > in.columns) range(0, end - in.columns);
+    Survey survey;
+    survey.raises = !hn::AllFalse(d, raises);
+    if (!survey.raises) return survey;
+    survey.lowest = hn::GetLane(hn::MinOfLanes(d, lowest));
+    survey.max_x = hn::GetLane(hn::MaxOfLanes(d, max_x));
+    survey.max_z = hn::GetLane(hn::MaxOfLanes(d, max_z));
+    survey.min_x = hn::GetLane(hn::MinOfLanes(d, min_x));
+    survey.min_z = hn::GetLane(hn::MinOfLanes(d, min_z));
+    return survey;
+}
+
+/// Fills the batch like compute_bounds, but where a square cannot raise any of its parent's columns.
+/// @return bit i: square i may; a necessary condition, cheaper than asking every column.
+std::uint32_t compute_promising(const HorizonTraceInput& in, int level, const Survey& survey, Batch& batch) {
+    const V zero = hn::Zero(d), lowest = hn::Set(d, survey.lowest);
+    const V max_x = hn::Set(d, survey.max_x), max_z = hn::Set(d, survey.max_z);
+    const V min_x = hn::Set(d, survey.min_x), min_z = hn::Set(d, survey.min_z);
+    const V inverse_near = hn::Set(d, 1.0f / in.near_squares);
+    std::uint32_t bits = 0;
+    for (std::size_t i = 0; i < 16; i += hn::Lanes(d)) {
+        const Extent extent = extent_of(in, level, batch, i);
+        compute_rise(in, extent, batch, i);
+        const V rise = hn::Load(d, batch.rise + i), a = hn::Load(d, batch.a + i), b = hn::Load(d, batch.b + i);
+        const V above = hn::Min(hn::Min(hn::Mul(max_x, a), hn::Mul(max_z, b)), inverse_near);
+        const V below = hn::Max(hn::Mul(min_x, a), hn::Mul(min_z, b));
+        const V tangent = hn::Mul(rise, hn::IfThenElse(hn::Gt(rise, zero), above, below));
+        const auto may_raise = hn::Gt(tangent, lowest);
+        if (hn::AllFalse(d, may_raise)) continue;
+        compute_columns(in, level, extent, batch, i);
+        std::uint8_t lanes[8] = {};
+        hn::StoreMaskBits(d, may_raise, lanes);
+        bits |= (std::uint32_t(lanes[0]) | std::uint32_t(lanes[1]) << 8) << i;
+    }
+    return bits;
 }
 
 template <bool kAbove>
@@ -144,7 +214,7 @@ void raise(const HorizonTraceInput& in, const Bound& bound, float* tangents, std
     const V inverse_near = hn::Set(d, 1.0f / in.near_squares);
     const auto id = hn::Set(di, std::int32_t(bound.z << in.size_log2 | bound.x));
     const int end = bound.first + bound.count;
-    const auto range = [&](int first, int last) {
+    const auto range = [&](int first, int last) HWY_ATTR {
         for (int c = first; c < last; c += int(hn::Lanes(d))) {
             const V old = hn::LoadU(d, tangents + c);
             const V tangent = tangents_of<kAbove>(in, std::size_t(c), rise, a, b, inverse_near);
@@ -160,7 +230,8 @@ void raise(const HorizonTraceInput& in, const Bound& bound, float* tangents, std
     range(0, end - in.columns);
 }
 
-void raise_any_sign(const HorizonTraceInput& in, const Bound& bound, float* tangents, std::uint32_t* winner) {
+HWY_INLINE void raise_any_sign(const HorizonTraceInput& in, const Bound& bound, float* tangents,
+                               std::uint32_t* winner) {
     if (bound.rise > 0.0f)
         raise<true>(in, bound, tangents, winner);
     else
@@ -197,47 +268,81 @@ class Primer {
     int count_ = 0;
 };
 
-/// Raises the columns by squares that probably make the skyline, so that the walk can reject nearly everything.
-std::uint32_t prime(const HorizonTraceInput& in, float* tangents, std::uint32_t* winner) {
+/// Replaces each guessed square of level `coarse` by the tallest one of level `fine` inside it.
+void descend_to_tallest(const HorizonTraceInput& in, int coarse, int fine, std::uint32_t* guess) {
+    const std::uint32_t mask = (1u << in.size_log2) - 1;
+    std::uint32_t last = kNoSquare, last_tallest = kNoSquare;
+    for (int c = 0; c < in.columns; ++c) {
+        if (guess[c] == kNoSquare) continue;
+        if (guess[c] != last) {
+            last = guess[c];
+            std::uint32_t x = last & mask, z = last >> in.size_log2;
+            for (int level = coarse; level > fine; --level) {
+                const float* below = in.level_heights[level - 1];
+                const std::uint32_t row = 1u << (in.size_log2 - level + 1);
+                x *= 2;
+                z *= 2;
+                std::uint32_t tallest = 0;
+                for (std::uint32_t child = 1; child < 4; ++child)
+                    if (below[(z + child / 2) * row + x + child % 2] > below[(z + tallest / 2) * row + x + tallest % 2])
+                        tallest = child;
+                x += tallest % 2;
+                z += tallest / 2;
+            }
+            last_tallest = z << in.size_log2 | x;
+        }
+        guess[c] = last_tallest;
+    }
+}
+
+/// Raises the columns by the squares that are guessed to make the skyline, so that the walk can reject nearly all.
+/// @return false where there was no guess.
+bool prime(const HorizonTraceInput& in, const std::uint32_t* guess, float* tangents, std::uint32_t* winner,
+           std::uint32_t& squares) {
     Primer primer(in, tangents, winner);
     const std::uint32_t mask = (1u << in.size_log2) - 1;
-    bool guessed = false;
     std::uint32_t last = kNoSquare;
+    bool guessed = false;
     for (int c = 0; c < in.columns; ++c) {
-        const std::uint32_t square = winner[c];
+        const std::uint32_t square = guess[c];
         if (square == last || square == kNoSquare) continue;
         last = square;
         if (tangents[c] == std::numeric_limits<float>::infinity()) continue;  // not wanted
         primer.add(int(square & mask), int(square >> in.size_log2));
         guessed = true;
     }
-    if (guessed) return primer.squares;
-    // Nothing known: the tallest square of each block of 32 x 32.
-    const int block_level = std::min(in.size_log2, in.finest_level + 5);
-    const int blocks = 1 << (in.size_log2 - block_level);
-    for (int block = 0; block < blocks * blocks; ++block) {
-        int x = block % blocks, z = block / blocks;
-        for (int level = block_level; level > in.finest_level; --level) {
-            const float* below = in.level_heights[level - 1];
-            const int row = 1 << (in.size_log2 - level + 1);
-            x *= 2;
-            z *= 2;
-            float tallest = below[z * row + x];
-            int best = 0;
-            for (int child = 1; child < 4; ++child) {
-                const float height = below[(z + child / 2) * row + x + child % 2];
-                if (height > tallest) tallest = height, best = child;
-            }
-            x += best % 2;
-            z += best / 2;
-        }
-        primer.add(x, z);
-    }
-    return primer.squares;
+    squares += primer.squares;
+    return guessed;
 }
 
-std::uint32_t trace_horizon(const HorizonTraceInput& in, float* tangents, std::uint32_t* winner) {
-    std::uint32_t squares = prime(in, tangents, winner);
+/// Puts the sixteen squares of `level` that make up `parent` into the batch, row by row.
+void load_children(const HorizonTraceInput& in, const Bound& parent, int level, Batch& batch) {
+    const int row = 1 << (in.size_log2 - level);
+    const float* heights = in.level_heights[level] + std::ptrdiff_t(parent.z) * 4 * row + std::ptrdiff_t(parent.x) * 4;
+    const hn::Full128<float> d4;
+    const hn::Full128<std::int32_t> di4;
+    const auto x = hn::Iota(di4, parent.x * 4);
+    for (int j = 0; j < 4; ++j) {
+        hn::Store(x, di4, batch.x + 4 * j);
+        hn::Store(hn::Set(di4, parent.z * 4 + j), di4, batch.z + 4 * j);
+        hn::Store(hn::LoadU(d4, heights + std::ptrdiff_t(j) * row), d4, batch.height + 4 * j);
+    }
+}
+
+std::uint32_t walk_grid(const HorizonTraceInput& in, float* tangents, std::uint32_t* winner) {
+    std::uint32_t squares = 0;
+    if (!prime(in, winner, tangents, winner, squares) && in.finest_level + 2 < in.size_log2) {
+        // Nothing known of an earlier eye: guess from the horizon of coarser squares.
+        HorizonTraceInput coarse = in;
+        coarse.finest_level = in.finest_level + 2;
+        alignas(64) float coarse_tangents[kMaxHorizonColumns + 16];
+        alignas(64) std::uint32_t guess[kMaxHorizonColumns + 16];
+        std::copy(tangents, tangents + in.columns + 16, coarse_tangents);
+        std::fill(guess, guess + in.columns + 16, kNoSquare);
+        squares += walk_grid(coarse, coarse_tangents, guess);
+        descend_to_tallest(in, coarse.finest_level, in.finest_level, guess);
+        prime(in, guess, tangents, winner, squares);
+    }
 
     Bound stack[16 * 8];
     int top = 0;
@@ -256,26 +361,28 @@ std::uint32_t trace_horizon(const HorizonTraceInput& in, float* tangents, std::u
 
     while (top > 0) {
         const Bound bound = stack[--top];
-        if (bound.level == in.finest_level) {
+        if (bound.level == in.finest_level) {  // only where the walk starts there
             raise_any_sign(in, bound, tangents, winner);
             continue;
         }
-        if (!(bound.rise > 0.0f ? raises_any<true>(in, bound, tangents) : raises_any<false>(in, bound, tangents)))
-            continue;
+        const Survey survey =
+            bound.rise > 0.0f ? survey_columns<true>(in, bound, tangents) : survey_columns<false>(in, bound, tangents);
+        if (!survey.raises) continue;
         const int level = bound.level - 2;
-        const int row = 1 << (in.size_log2 - level);
-        // Nearest children last, so that they are taken first and hide the others.
-        const int flip_x = (bound.x << bound.level) + (1 << (bound.level - 1)) > in.eye_x ? 3 : 0;
-        const int flip_z = (bound.z << bound.level) + (1 << (bound.level - 1)) > in.eye_z ? 3 : 0;
-        for (int i = 0; i < 16; ++i) {
-            batch.x[i] = bound.x * 4 + ((i & 3) ^ flip_x);
-            batch.z[i] = bound.z * 4 + ((i >> 2) ^ flip_z);
-            batch.height[i] = in.level_heights[level][batch.z[i] * row + batch.x[i]];
-        }
-        compute_bounds(in, level, batch);
+        load_children(in, bound, level, batch);
         squares += 16;
-        for (int i = 0; i < 16; ++i)
-            if (batch.rise[i] > -std::numeric_limits<float>::infinity()) stack[top++] = batch.at(i, level);
+        std::uint32_t bits = compute_promising(in, level, survey, batch);
+        if (level == in.finest_level) {
+            for (; bits != 0; bits &= bits - 1)
+                raise_any_sign(in, batch.at(std::countr_zero(bits), level), tangents, winner);
+        } else {
+            // Nearest last, so that they are taken first and hide the others.
+            const int half = 1 << (bound.level - 1);
+            const int nearest = ((bound.x << bound.level) + half < in.eye_x ? 3 : 0) +
+                                ((bound.z << bound.level) + half < in.eye_z ? 12 : 0);
+            for (int i = 15; i >= 0; --i)
+                if (bits >> (i ^ nearest) & 1) stack[top++] = batch.at(i ^ nearest, level);
+        }
     }
     return squares;
 }
@@ -286,9 +393,9 @@ HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
 namespace ff::farfield {
-HWY_EXPORT(trace_horizon);
+HWY_EXPORT(walk_grid);
 std::uint32_t trace_horizon(const HorizonTraceInput& input, float* tangents, std::uint32_t* winner) {
-    return HWY_DYNAMIC_DISPATCH(trace_horizon)(input, tangents, winner);
+    return HWY_DYNAMIC_DISPATCH(walk_grid)(input, tangents, winner);
 }
 }  // namespace ff::farfield
 #endif

@@ -7,6 +7,7 @@
 namespace ff::farfield {
 
 inline constexpr std::uint32_t kNoSquare = 0xFFFFFFFFu;
+inline constexpr int kMaxHorizonColumns = 8192;
 
 /// All lengths in squares of level 0, all positions relative to the eye's grid corner (eye_x, eye_z) + (frac_x,
 /// frac_z).
