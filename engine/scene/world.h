@@ -1,0 +1,71 @@
+#pragma once
+// The world that a game walks through: the static scene and what goes with it. Made by load_world, or from arrays in
+// memory.
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "engine/assets/page_buffer.h"
+#include "engine/scene/scene_data.h"
+#include "engine/scene/static_scene.h"
+#include "engine/scene/walk.h"
+
+namespace ff::scene {
+
+/// A mesh of the static scene placed where it may move: what the game starts with.
+struct DynamicInstance {
+    std::uint32_t mesh = 0;
+    WorldPos position{0.0};
+    Mat3 world_from_mesh{1.0f};  ///< rotation, scale, mirror; never singular
+
+    friend bool operator==(const DynamicInstance&, const DynamicInstance&) = default;
+};
+
+/// What a pack holds beside the static scene.
+struct WorldInfo {
+    std::string name;
+    WorldPos spawn_position{0.0};  ///< of the feet
+    double spawn_yaw = 0.0;        ///< radians, as Camera::yaw
+    std::vector<DynamicInstance> dynamic_instances;
+    std::vector<Walk> walks;         ///< names are unique and not empty
+    std::uint64_t source_bytes = 0;  ///< of the files that it was cooked from
+};
+
+struct WorldStatistics {
+    std::uint64_t triangles = 0;            ///< stored
+    std::uint64_t instanced_triangles = 0;  ///< as drawn: each instance counted, dynamic ones too
+    std::uint64_t vertices = 0;
+    std::uint64_t memory_bytes = 0;  ///< of the static scene's arrays
+    std::uint64_t pack_bytes = 0;    ///< of the file; 0 without one
+};
+
+/// Owns everything that its scene() borrows. Read-only, any thread.
+class World {
+  public:
+    /// A world from arrays in memory. The scene must be finished.
+    World(SceneData data, WorldInfo info);
+    World(const World&) = delete;
+    World& operator=(const World&) = delete;
+
+    [[nodiscard]] const StaticScene& scene() const { return scene_; }
+    [[nodiscard]] const WorldInfo& info() const { return info_; }
+    [[nodiscard]] const WorldStatistics& statistics() const { return statistics_; }
+    /// The walk of that name, or nullptr.
+    [[nodiscard]] const Walk* find_walk(std::string_view name) const;
+
+  private:
+    friend class WorldLoader;
+    World() = default;
+    void count();
+
+    SceneData data_;              ///< empty where a pack was loaded
+    assets::PageBuffer storage_;  ///< the arrays of a loaded pack
+    StaticScene scene_;
+    WorldInfo info_;
+    WorldStatistics statistics_;
+};
+
+}  // namespace ff::scene
