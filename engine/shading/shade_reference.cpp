@@ -1,0 +1,278 @@
+#include "engine/shading/shade_reference.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <glm/gtc/packing.hpp>
+#include <glm/matrix.hpp>
+
+#include "engine/scene/scene_data.h"
+#include "engine/shading/shading_model.h"
+
+namespace ff::shading {
+namespace {
+
+using scene::StaticScene;
+using DVec2 = glm::dvec2;
+
+double linear_of(double c) {
+    return c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4);
+}
+double encoded(double x) {
+    return x <= 0.0031308 ? 12.92 * x : 1.055 * std::pow(x, 1.0 / 2.4) - 0.055;
+}
+DVec3 linear_of(const DVec3& c) {
+    return {linear_of(c.x), linear_of(c.y), linear_of(c.z)};
+}
+double clamp01(double x) {
+    return x > 0.0 ? std::min(x, 1.0) : 0.0;
+}
+DVec3 unpack(std::uint32_t rgba) {
+    return DVec3(rgba & 255u, rgba >> 8 & 255u, rgba >> 16 & 255u) / 255.0;
+}
+DVec3 soft_clip(const DVec3& c) {
+    DVec3 out;
+    for (int k = 0; k < 3; ++k) {
+        const double bent = std::clamp(c[k] - kSoftClipStart, 0.0, 2.0 * (1.0 - kSoftClipStart));
+        out[k] = std::min(c[k], 2.0 - kSoftClipStart) - bent * bent * kSoftClipScale;
+    }
+    return out;
+}
+
+/// A triangle as one pixel sees it.
+struct SeenTriangle {
+    const scene::Material* material;
+    const scene::VertexAttributes* corner[3];
+    DVec3 p[3];         ///< relative to the viewer, world axes
+    DVec3 n[3];         ///< world, as transformed (not unit)
+    double b1, b2;      ///< barycentrics of the pixel, clamped
+    double plane;       ///< signed distance of its plane
+    double slope;       ///< ray direction (z = -1) on the unit normal
+    DVec3 unit_normal;  ///< by winding
+    std::size_t index;  ///< in the scene
+};
+
+SeenTriangle see(const StaticScene& scene, const scene::Instance& instance, std::uint32_t triangle, const WorldPos& eye,
+                 const DVec3& direction) {
+    const scene::Mesh& mesh = scene.meshes[instance.mesh];
+    SeenTriangle seen;
+    seen.index = std::size_t(mesh.first_triangle) + triangle;
+    seen.material = &scene.materials[scene.triangle_materials[seen.index]];
+    const DMat3 to_world(instance.world_from_mesh);
+    const DMat3 normals_to_world(glm::cross(to_world[1], to_world[2]), glm::cross(to_world[2], to_world[0]),
+                                 glm::cross(to_world[0], to_world[1]));
+    for (int k = 0; k < 3; ++k) {
+        const std::size_t vertex = mesh.first_vertex + scene.indices[3 * seen.index + std::size_t(k)];
+        seen.corner[k] = &scene.attributes[vertex];
+        seen.p[k] = to_world * DVec3(scene.positions[vertex]) + (instance.position - eye);
+        seen.n[k] = normals_to_world * DVec3(scene::decode_normal(scene.attributes[vertex].normal_oct));
+    }
+    const DVec3 e1 = seen.p[1] - seen.p[0], e2 = seen.p[2] - seen.p[0];
+    const DVec3 normal = glm::cross(e1, e2);
+    const double length = std::max(glm::length(normal), 1e-30);
+    seen.unit_normal = normal / length;
+    seen.plane = glm::dot(seen.unit_normal, seen.p[0]);
+    seen.slope = glm::dot(seen.unit_normal, direction);
+    if (std::abs(seen.slope) < 1e-12) seen.slope = 1e-12;
+    seen.b1 = clamp01(glm::dot(direction, glm::cross(e2, seen.p[0])) / length / seen.slope);
+    seen.b2 = clamp01(glm::dot(direction, glm::cross(seen.p[0], e1)) / length / seen.slope);
+    return seen;
+}
+
+/// uv^2 that a pixel's ray cone covers on the triangle.
+double footprint_of(const SeenTriangle& seen, const DVec3& direction, double pixel_angle) {
+    const DVec2 a = seen.corner[1]->uv - seen.corner[0]->uv, b = seen.corner[2]->uv - seen.corner[0]->uv;
+    const double area = std::max(glm::length(glm::cross(seen.p[1] - seen.p[0], seen.p[2] - seen.p[0])), 1e-30);
+    const double density = std::abs(a.x * b.y - a.y * b.x) / area;
+    const double depth = seen.plane / seen.slope;
+    const double cosine = seen.slope / glm::length(direction);
+    const double width = depth * pixel_angle / cosine;
+    return width * width * density;
+}
+
+double lod_of(const scene::Texture& texture, double footprint) {
+    return 0.5 * std::log2(footprint * double(texture.width) * double(texture.height));
+}
+
+std::int64_t wrapped(std::int64_t i, std::int64_t size, scene::Wrap wrap) {
+    if (wrap == scene::Wrap::clamp) return std::clamp<std::int64_t>(i, 0, size - 1);
+    const std::int64_t period = wrap == scene::Wrap::mirror ? 2 * size : size;
+    i = (i % period + period) % period;
+    return i < size ? i : 2 * size - 1 - i;
+}
+
+/// Encoded RGB, filtered as encoded.
+DVec3 sample(const StaticScene& scene, const scene::Texture& texture, const DVec2& uv, double footprint) {
+    const double lod = lod_of(texture, footprint);
+    const auto level = std::uint32_t(lod > 0.0 ? std::min(std::floor(lod + 0.5), texture.level_count - 1.0) : 0.0);
+    std::size_t first = texture.first_texel;
+    for (std::uint32_t l = 0; l < level; ++l)
+        first += std::size_t(std::max(1u, texture.width >> l)) * std::max(1u, texture.height >> l);
+    const std::int64_t width = std::max(1u, texture.width >> level), height = std::max(1u, texture.height >> level);
+    const double x = uv.x * double(width) - 0.5, y = uv.y * double(height) - 0.5;
+    const double x0 = std::floor(x), y0 = std::floor(y);
+    const auto texel = [&](double i, double j) {
+        const std::int64_t column = wrapped(std::int64_t(i), width, texture.wrap_u);
+        const std::int64_t row = wrapped(std::int64_t(j), height, texture.wrap_v);
+        return unpack(scene.texels[first + std::size_t(row * width + column)]);
+    };
+    return glm::mix(glm::mix(texel(x0, y0), texel(x0 + 1, y0), x - x0),
+                    glm::mix(texel(x0, y0 + 1), texel(x0 + 1, y0 + 1), x - x0), y - y0);
+}
+
+DVec3 diffuse_light(const ShadingUniforms& uniforms, const DVec3& normal) {
+    const DVec3 sky = DVec3(uniforms.ambient_side) + normal.y * DVec3(uniforms.ambient_slope) +
+                      normal.y * normal.y * DVec3(uniforms.ambient_curve);
+    return sky + std::max(glm::dot(normal, DVec3(uniforms.to_sun)), 0.0) * DVec3(uniforms.sun_radiance);
+}
+
+DVec3 sky_gradient(const ShadingUniforms& uniforms, double y) {
+    const double up = std::max(y, 0.0), down = std::min(std::max(-y, 0.0) * kHazeRate, 1.0);
+    const DVec3 sky = glm::mix(DVec3(uniforms.horizon), DVec3(uniforms.zenith), up * (2.0 - up));
+    return glm::mix(sky, DVec3(uniforms.haze), down * (2.0 - down));
+}
+
+DVec3 panorama_texel(const scene::Environment& environment, std::int64_t i, std::int64_t j) {
+    const std::int64_t width = environment.panorama_width, height = environment.panorama_height;
+    i = (i % width + width) % width;
+    j = std::clamp<std::int64_t>(j, 0, height - 1);
+    const std::uint16_t* texel = environment.panorama.data() + 4 * (j * width + i);
+    return {glm::unpackHalf1x16(texel[0]), glm::unpackHalf1x16(texel[1]), glm::unpackHalf1x16(texel[2])};
+}
+
+/// @param d  unit
+DVec3 sky_color(const ShadingUniforms& uniforms, const scene::Environment& environment, const DVec3& d) {
+    if (uniforms.panorama_size.x > 0.0f) {
+        const double column = std::atan2(d.x, -d.z) / (2.0 * kPi) * environment.panorama_width - 0.5;
+        const double row = std::acos(std::clamp(d.y, -1.0, 1.0)) / kPi * environment.panorama_height - 0.5;
+        const double i = std::floor(column), j = std::floor(row);
+        const auto i0 = std::int64_t(i), j0 = std::int64_t(j);
+        return glm::mix(
+            glm::mix(panorama_texel(environment, i0, j0), panorama_texel(environment, i0 + 1, j0), column - i),
+            glm::mix(panorama_texel(environment, i0, j0 + 1), panorama_texel(environment, i0 + 1, j0 + 1), column - i),
+            row - j);
+    }
+    const double cosine = std::max(glm::dot(d, DVec3(uniforms.to_sun)), 0.0);
+    const double disc = clamp01((cosine - kSunDiscEdge) / (kSunDiscFull - kSunDiscEdge));
+    const double sun =
+        kSunGlowWide * std::pow(cosine, 8.0) + kSunGlowNarrow * std::pow(cosine, 128.0) + kSunDisc * disc * disc;
+    return sky_gradient(uniforms, d.y) + sun * clamp01(1.0 + d.y * kHazeRate) * DVec3(uniforms.sun_radiance);
+}
+
+/// See specular_surface in shading_kernel.cpp for the sources.
+DVec3 specular_surface(const ShadingUniforms& uniforms, const DVec3& n, const DVec3& to_eye, const DVec3& color,
+                       double metallic, double roughness) {
+    const DVec3 sun(uniforms.to_sun);
+    const double n_l = std::max(glm::dot(n, sun), 0.0), n_v = std::max(glm::dot(n, to_eye), 1e-4);
+    const DVec3 half = glm::normalize(sun + to_eye);
+    const double n_h = clamp01(glm::dot(n, half)), v_h = clamp01(glm::dot(to_eye, half));
+    const double rough = std::clamp(roughness, double(kMinRoughness), 1.0);
+    metallic = clamp01(metallic);
+    const double alpha2 = rough * rough * rough * rough;
+    const double base = n_h * n_h * (alpha2 - 1.0) + 1.0;
+    const double smith =
+        n_l * std::sqrt(n_v * n_v * (1.0 - alpha2) + alpha2) + n_v * std::sqrt(n_l * n_l * (1.0 - alpha2) + alpha2);
+    const double lobe = 0.5 * alpha2 * n_l / std::max(base * base * smith, 1e-9);
+    const DVec3 f0 = glm::mix(DVec3(kDielectric), color, metallic);
+    const DVec3 fresnel = glm::mix(f0, DVec3(1.0), std::pow(1.0 - v_h, 5.0));
+    const DVec3 lit =
+        (1.0 - metallic) * color * diffuse_light(uniforms, n) + lobe * fresnel * DVec3(uniforms.sun_radiance);
+
+    const double mirrored_y = 2.0 * n_v * n.y - to_eye.y;
+    const DVec3 blurred = DVec3(uniforms.ambient_side) + mirrored_y * DVec3(uniforms.ambient_slope) +
+                          mirrored_y * mirrored_y * DVec3(uniforms.ambient_curve);
+    const DVec3 mirrored = glm::mix(sky_gradient(uniforms, mirrored_y), blurred, rough);
+    const double r0 = 1.0 - rough, r1 = 0.0425 - 0.0275 * rough, r2 = 1.04 - 0.572 * rough, r3 = 0.022 * rough - 0.04;
+    const double a004 = std::min(r0 * r0, std::exp2(-9.28 * n_v)) * r0 + r1;
+    return lit + mirrored * (f0 * (r2 - 1.04 * a004) + DVec3(1.04 * a004 + r3));
+}
+
+/// Linear, before fog.
+DVec3 surface_color(const StaticScene& scene, const ShadingUniforms& uniforms, const SeenTriangle& seen,
+                    const DVec3& direction, double pixel_angle) {
+    const scene::Material& material = *seen.material;
+    const auto interpolated = [&](const auto& at0, const auto& at1, const auto& at2) {
+        return at0 + seen.b1 * (at1 - at0) + seen.b2 * (at2 - at0);
+    };
+    const double footprint = footprint_of(seen, direction, pixel_angle);
+    const DVec2 uv = interpolated(DVec2(seen.corner[0]->uv), DVec2(seen.corner[1]->uv), DVec2(seen.corner[2]->uv));
+    DVec3 color =
+        DVec3(material.base_color) *
+        interpolated(unpack(seen.corner[0]->color), unpack(seen.corner[1]->color), unpack(seen.corner[2]->color));
+    if (material.base_color_texture != scene::kNoTexture)
+        color *= linear_of(sample(scene, scene.textures[material.base_color_texture], uv, footprint));
+    DVec3 emissive(material.emissive);
+    if (material.emissive_texture != scene::kNoTexture)
+        emissive *= linear_of(sample(scene, scene.textures[material.emissive_texture], uv, footprint));
+    if (material.flags & scene::kMaterialUnlit) return color + emissive;
+
+    DVec3 normal = interpolated(seen.n[0], seen.n[1], seen.n[2]);
+    const DVec3 facing = seen.plane < 0.0 ? seen.unit_normal : -seen.unit_normal;
+    if (glm::dot(normal, facing) < 0.0) normal = -normal;
+    normal /= std::max(glm::length(normal), 1e-30);
+    if (!(material.flags & scene::kMaterialSpecular))
+        return soft_clip(color * diffuse_light(uniforms, normal) + emissive);
+    DVec2 rough_metal(material.roughness, material.metallic);
+    if (material.metallic_roughness_texture != scene::kNoTexture) {
+        const DVec3 map = sample(scene, scene.textures[material.metallic_roughness_texture], uv, footprint);
+        rough_metal *= DVec2(map.y, map.z);
+    }
+    return soft_clip(
+        specular_surface(uniforms, normal, -glm::normalize(direction), color, rough_metal.y, rough_metal.x) + emissive);
+}
+
+DVec3 prelit_color(const StaticScene& scene, const ShadingUniforms& uniforms, const SeenTriangle& seen) {
+    const scene::Material& material = *seen.material;
+    const DVec3 color = unpack(scene.prelit_colors[seen.index]);
+    DVec3 emissive(material.emissive);
+    if (material.emissive_texture != scene::kNoTexture) {
+        const scene::Texture& texture = scene.textures[material.emissive_texture];
+        emissive *= linear_of(sample(scene, texture, DVec2(0.0), 1e30));
+    }
+    if (material.flags & scene::kMaterialUnlit) return color + emissive;
+    DVec3 normal = seen.n[0] / std::max(glm::length(seen.n[0]), 1e-30);
+    if (glm::dot(normal, seen.p[0]) >= 0.0) normal = -normal;
+    return soft_clip(color * diffuse_light(uniforms, normal) + emissive);
+}
+
+const scene::Instance& instance_of(const StaticScene& scene, std::span<const scene::Instance> dynamic,
+                                   std::uint32_t id) {
+    return id < scene.instances.size() ? scene.instances[id] : dynamic[id - scene.instances.size()];
+}
+
+DVec3 ray_direction(const PinholeView& view, int x, int y) {
+    const DVec3 d((x + 0.5) * view.u_step + view.u_first, (y + 0.5) * view.v_step + view.v_first, -1.0);
+    return DMat3(view.world_from_camera) * d;
+}
+
+}  // namespace
+
+Vec3 shade_reference(const StaticScene& scene, std::span<const scene::Instance> dynamic, const PinholeView& view, int x,
+                     int y, std::uint32_t instance, std::uint32_t triangle, float depth,
+                     const ShadeSettings& settings) {
+    const ShadingUniforms uniforms = make_uniforms(scene.environment, view.pixel_angle());
+    const DVec3 direction = ray_direction(view, x, y);
+    DVec3 color;
+    if (instance == farfield::kSkyInstance) {
+        color = sky_color(uniforms, scene.environment, glm::normalize(direction));
+    } else {
+        const SeenTriangle seen = see(scene, instance_of(scene, dynamic, instance), triangle, view.position, direction);
+        color = depth > settings.prelit_beyond_m ? prelit_color(scene, uniforms, seen)
+                                                 : surface_color(scene, uniforms, seen, direction, view.pixel_angle());
+        const double clear = std::exp(-double(uniforms.to_sun.w) * depth * glm::length(direction));
+        color = glm::mix(DVec3(uniforms.horizon), color, clear);
+    }
+    return Vec3(encoded(clamp01(color.x)), encoded(clamp01(color.y)), encoded(clamp01(color.z)));
+}
+
+double reference_lod(const StaticScene& scene, std::span<const scene::Instance> dynamic, const PinholeView& view, int x,
+                     int y, std::uint32_t instance, std::uint32_t triangle) {
+    if (instance == farfield::kSkyInstance) return std::nan("");
+    const DVec3 direction = ray_direction(view, x, y);
+    const SeenTriangle seen = see(scene, instance_of(scene, dynamic, instance), triangle, view.position, direction);
+    if (seen.material->base_color_texture == scene::kNoTexture) return std::nan("");
+    return lod_of(scene.textures[seen.material->base_color_texture], footprint_of(seen, direction, view.pixel_angle()));
+}
+
+}  // namespace ff::shading

@@ -1,0 +1,357 @@
+// The deferred shading of tiles: collect the triangles of a tile, set each up once, then shade its pixels a vector at a
+// time. The model is in README.md; shade_reference.cpp is the same in plain scalar code.
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "engine/shading/shading_kernel.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+//
+#include <algorithm>
+#include <bit>
+
+#include "engine/shading/shading_kernel.h"
+#include "engine/shading/simd_color-inl.h"
+#include "engine/shading/simd_sky-inl.h"
+#include "engine/shading/simd_texture-inl.h"
+#include "engine/shading/tile_collect.h"
+#include "engine/shading/tile_setup-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace ff::shading::HWY_NAMESPACE {
+
+/// The records of a vector's pixels: one for all lanes, or one per lane.
+template <bool kOneTriangle>
+struct Records {
+    const float* base;
+    VI offset;
+
+    HWY_INLINE VF row(int index) const {
+        if constexpr (kOneTriangle) return hn::Set(df, base[index * kBlock]);
+        return hn::GatherIndex(df, base + index * kBlock, offset);
+    }
+    HWY_INLINE VI int_row(int index) const { return hn::BitCast(di, row(index)); }
+    /// row * u + (row + 1) * v + (row + 2)
+    HWY_INLINE VF affine(int index, VF u, VF v) const {
+        return hn::MulAdd(row(index), u, hn::MulAdd(row(index + 1), v, row(index + 2)));
+    }
+    HWY_INLINE VF interpolated(int index, VF b1, VF b2) const {
+        return hn::MulAdd(row(index + 1), b1, hn::MulAdd(row(index + 2), b2, row(index)));
+    }
+    HWY_INLINE Rgb rgb(int index) const { return {row(index), row(index + 1), row(index + 2)}; }
+};
+
+HWY_INLINE MF has_bit(VI info, std::int32_t bit) {
+    return hn::RebindMask(df, hn::TestBit(info, hn::Set(di, bit)));
+}
+
+/// Rays of a vector of pixels: direction (u, v, -1) in camera space.
+struct Rays {
+    VF u, v;
+    VF length_squared;  ///< 1 + u^2 + v^2
+
+    /// Unit directions in world axes.
+    HWY_INLINE V3 unit_directions(const PinholeView& view) const {
+        const V3 d = transform(broadcast(view.world_from_camera[0]), broadcast(view.world_from_camera[1]),
+                               broadcast(view.world_from_camera[2]), {u, v, splat(-1.0f)});
+        return scale(hn::Div(splat(1.0f), hn::Sqrt(length_squared)), d);
+    }
+};
+
+/// A texture per lane, also where the scene has more texels than an int can count: then one texture after the other.
+template <bool kOneTriangle>
+HWY_INLINE Rgb sample_lanes(const scene::StaticScene& scene, VI texture, VI info, VF u, VF v, VF footprint,
+                            bool all_repeat) {
+    const std::uint32_t* texels = scene.texels.data();
+    if (texel_indices_fit(scene)) [[likely]]
+        return sample_texture(texels, texture, info, u, v, footprint, all_repeat);
+    Rgb out = {hn::Zero(df), hn::Zero(df), hn::Zero(df)};
+    auto left = hn::TestBit(info, hn::Set(di, kLaneTextured));
+    while (!hn::AllFalse(di, left)) {
+        const std::int32_t id = hn::ExtractLane(texture, std::size_t(hn::FindFirstTrue(di, left)));
+        const auto here = hn::And(left, hn::Eq(texture, hn::Set(di, id)));
+        const Rgb sample = sample_texture(texels + scene.textures[std::size_t(id)].first_texel, hn::Zero(di), info, u,
+                                          v, footprint, all_repeat);
+        out = select(hn::RebindMask(df, here), sample, out);
+        left = hn::And(left, hn::Not(here));
+    }
+    return out;
+}
+
+struct Surface {
+    V3 normal;  ///< unit, faces the viewer
+    V3 to_eye;  ///< unit
+    Rgb color;  ///< linear
+    VF metallic, roughness;
+};
+
+/// Light that leaves a metallic-roughness surface. Sun: GGX, Smith height-correlated, Schlick. Sky: the mirrored
+/// direction's gradient with Karis' fit of the split sum.
+/// Based on: Walter et al., "Microfacet Models for Refraction", EGSR 2007; Heitz, JCGT 2014; Karis, "Physically Based
+/// Shading on Mobile", 2014; glTF 2.0 appendix B.
+HWY_INLINE Rgb specular_surface(const ShadingUniforms& uniforms, const Surface& s) {
+    const VF one = splat(1.0f), tiny = splat(1e-4f);
+    const V3 sun = broadcast(Vec3(uniforms.to_sun));
+    const VF sun_cosine = dot(s.normal, sun);
+    const VF n_l = hn::Max(sun_cosine, hn::Zero(df));
+    const VF n_v = hn::Max(dot(s.normal, s.to_eye), tiny);
+    const V3 half = normalized({hn::Add(sun.x, s.to_eye.x), hn::Add(sun.y, s.to_eye.y), hn::Add(sun.z, s.to_eye.z)});
+    const VF n_h = clamp01(dot(s.normal, half)), v_h = clamp01(dot(s.to_eye, half));
+    const VF rough = hn::Min(hn::Max(s.roughness, splat(kMinRoughness)), one);
+    const VF metallic = clamp01(s.metallic);
+
+    const VF alpha = hn::Mul(rough, rough), alpha2 = hn::Mul(alpha, alpha);
+    const VF base = hn::MulAdd(hn::Mul(n_h, n_h), hn::Sub(alpha2, one), one);
+    const VF keep = hn::Sub(one, alpha2);
+    const VF smith = hn::MulAdd(n_l, hn::Sqrt(hn::MulAdd(hn::Mul(n_v, n_v), keep, alpha2)),
+                                hn::Mul(n_v, hn::Sqrt(hn::MulAdd(hn::Mul(n_l, n_l), keep, alpha2))));
+    // D * V * cos: alpha^2 / (pi base^2) * 0.5 / smith * n_l; times pi, as sun_radiance is radiance / pi already.
+    const VF lobe =
+        hn::Div(hn::Mul(splat(0.5f), hn::Mul(alpha2, n_l)), hn::Max(hn::Mul(hn::Mul(base, base), smith), splat(1e-9f)));
+    const VF grazing = hn::Sub(one, v_h);
+    const VF grazing2 = hn::Mul(grazing, grazing);
+    const VF schlick = hn::Mul(hn::Mul(grazing2, grazing2), grazing);
+
+    const Rgb f0 = mix({splat(kDielectric), splat(kDielectric), splat(kDielectric)}, s.color, metallic);
+    const Rgb fresnel = mix(f0, {one, one, one}, schlick);
+    const Rgb diffuse = multiply(hn::Sub(one, metallic), s.color);
+    Rgb out = multiply(diffuse, diffuse_light(uniforms, s.normal.y, sun_cosine));
+    out = multiply_add(lobe, multiply(fresnel, splat(uniforms.sun_radiance)), out);
+
+    // The sky in the mirrored direction, blurred towards the hemisphere's light as roughness grows.
+    const VF mirrored_y = hn::Sub(hn::Mul(hn::Mul(splat(2.0f), n_v), s.normal.y), s.to_eye.y);
+    const Rgb sharp = sky_gradient(uniforms, mirrored_y);
+    const Rgb blurred = diffuse_light(uniforms, mirrored_y, hn::Zero(df));
+    const Rgb mirrored = mix(sharp, blurred, rough);
+    const VF r0 = hn::Sub(one, rough), r1 = hn::MulAdd(rough, splat(-0.0275f), splat(0.0425f));
+    const VF r2 = hn::MulAdd(rough, splat(-0.572f), splat(1.04f)), r3 = hn::MulAdd(rough, splat(0.022f), splat(-0.04f));
+    // 2^(-9.28 n_v) = exp(-6.4324 n_v)
+    const VF a004 = hn::MulAdd(hn::Min(hn::Mul(r0, r0), exp_negative(hn::Mul(n_v, splat(6.4324059f)))), r0, r1);
+    const VF scale_f0 = hn::MulAdd(a004, splat(-1.04f), r2), bias = hn::MulAdd(a004, splat(1.04f), r3);
+    const Rgb reflectance = multiply_add(scale_f0, f0, {bias, bias, bias});
+    return multiply_add(reflectance, mirrored, out);
+}
+
+/// Linear colour of the pixels of a vector before fog.
+/// @param bits  union of the lanes' info bits; may hold more than they have
+template <bool kOneTriangle>
+HWY_INLINE Rgb shade_surface(const ShadeFrame& frame, const Records<kOneTriangle>& records, std::int32_t bits,
+                             const Rays& rays) {
+    const ShadingUniforms& uniforms = frame.uniforms;
+    const VF s = records.affine(kRowS, rays.u, rays.v);
+    // Edge on or degenerate: any point of the triangle will do.
+    const VF safe = hn::IfThenElse(hn::Lt(hn::Abs(s), splat(1e-12f)), splat(1e-12f), s);
+    const VF inverse = hn::Div(splat(1.0f), safe);
+    const bool varies = bits & (kLaneTextured | kLanePixelLit | kLaneVertexColor);
+    VF b1 = hn::Zero(df), b2 = hn::Zero(df), footprint = hn::Zero(df);
+    if (varies) {
+        b1 = clamp01(hn::Mul(records.affine(kRowW1, rays.u, rays.v), inverse));
+        b2 = clamp01(hn::Mul(records.affine(kRowW2, rays.u, rays.v), inverse));
+    }
+    const VI info = records.int_row(kRowInfo);
+    const bool all_repeat = !(bits & kAnyWrapBit);
+    VF u = hn::Zero(df), v = hn::Zero(df);
+
+    Rgb color = records.rgb(kRowColor);
+    if (bits & kLaneVertexColor) {
+        const Rgb vertex_color = {records.interpolated(kRowVertexColor, b1, b2),
+                                  records.interpolated(kRowVertexColor + 3, b1, b2),
+                                  records.interpolated(kRowVertexColor + 6, b1, b2)};
+        color = select(has_bit(info, kLaneVertexColor), multiply(color, vertex_color), color);
+    }
+    if (bits & (kLaneTextured | kLaneEmissive | kLaneSpecular)) {
+        u = records.interpolated(kRowU, b1, b2);
+        v = records.interpolated(kRowV, b1, b2);
+        const VF inverse2 = hn::Mul(inverse, inverse);
+        footprint = hn::Mul(hn::Mul(records.row(kRowFootprint), rays.length_squared), hn::Mul(inverse2, inverse2));
+    }
+    if (bits & kLaneTextured) {
+        const Rgb texel = decode_srgb(
+            sample_lanes<kOneTriangle>(frame.scene, records.int_row(kRowTexture), info, u, v, footprint, all_repeat));
+        const Rgb textured = multiply(color, texel);
+        color = kOneTriangle ? textured : select(has_bit(info, kLaneTextured), textured, color);
+    }
+    const MF unlit = has_bit(info, kLaneUnlit);
+    if (bits & kLanePixelLit) {
+        V3 n = {records.interpolated(kRowNormal, b1, b2), records.interpolated(kRowNormal + 3, b1, b2),
+                records.interpolated(kRowNormal + 6, b1, b2)};
+        n = normalized(n);
+        const VF turn = hn::And(records.interpolated(kRowFacing, b1, b2), hn::SignBit(df));
+        n = {hn::Xor(n.x, turn), hn::Xor(n.y, turn), hn::Xor(n.z, turn)};
+        const Rgb light = diffuse_light(uniforms, n.y, dot(n, broadcast(Vec3(uniforms.to_sun))));
+        Rgb lit = multiply(color, light);
+        if (bits & kLaneSpecular) {
+            Surface surface;
+            surface.normal = n;
+            surface.to_eye = scale(splat(-1.0f), rays.unit_directions(frame.view));
+            surface.color = color;
+            surface.metallic = records.row(kRowMetallic);
+            surface.roughness = records.row(kRowRoughness);
+            const MF specular = has_bit(info, kLaneSpecular);
+            const VI map_info = records.int_row(kRowRoughnessInfo);
+            const MF mapped = hn::And(specular, has_bit(map_info, kLaneTextured));
+            if (!hn::AllFalse(df, mapped)) {  // glTF: roughness in green, metallic in blue, both linear
+                const VI map_lanes = hn::IfThenElseZero(hn::RebindMask(di, mapped), map_info);
+                const VI map = hn::IfThenElseZero(hn::RebindMask(di, mapped), records.int_row(kRowRoughnessTexture));
+                const Rgb texel = sample_lanes<kOneTriangle>(frame.scene, map, map_lanes, u, v, footprint, all_repeat);
+                surface.roughness = hn::IfThenElse(mapped, hn::Mul(surface.roughness, texel.g), surface.roughness);
+                surface.metallic = hn::IfThenElse(mapped, hn::Mul(surface.metallic, texel.b), surface.metallic);
+            }
+            lit = select(specular, specular_surface(uniforms, surface), lit);
+        }
+        color = kOneTriangle ? lit : select(has_bit(info, kLanePixelLit), lit, color);
+    }
+    if (bits & kLaneEmissive) {
+        Rgb emissive = records.rgb(kRowEmissive);
+        const VI map_info = records.int_row(kRowEmissiveInfo);
+        const MF mapped = hn::And(has_bit(info, kLaneEmissive), has_bit(map_info, kLaneTextured));
+        if (!hn::AllFalse(df, mapped)) {
+            const VI map_lanes = hn::IfThenElseZero(hn::RebindMask(di, mapped), map_info);
+            const VI map = hn::IfThenElseZero(hn::RebindMask(di, mapped), records.int_row(kRowEmissiveTexture));
+            const Rgb texel =
+                decode_srgb(sample_lanes<kOneTriangle>(frame.scene, map, map_lanes, u, v, footprint, all_repeat));
+            emissive = select(mapped, multiply(emissive, texel), emissive);
+        }
+        color = multiply_add(splat(1.0f), color, emissive);
+    }
+    if (!(bits & kLaneUnlit)) return soft_clip(color);
+    return select(unlit, color, soft_clip(color));
+}
+
+/// The set-up of a tile's triangles; returns the union of their info bits.
+std::int32_t set_up_triangles(const ShadeFrame& frame, TileNeeds needs, RawBlock& raw, TileScratch& scratch) {
+    std::int32_t bits = 0;
+    prefetch_vertices(frame, scratch.names, scratch.count);
+    for (int first = 0; first < scratch.count; first += kBlock) {
+        const int count = std::min(kBlock, scratch.count - first);
+        float* record = scratch.records + record_offset(first);
+        load_raw_block(frame, scratch.names + first, count, needs, raw, record);
+        for (int lane = 0; lane < count; lane += int(hn::Lanes(df))) {
+            if (needs.full) set_up_full(frame, raw, lane, record + lane);
+            if (needs.prelit) set_up_prelit(frame, raw, lane, record + lane);
+        }
+        bits |= raw.any_bits;
+    }
+    return bits;
+}
+
+TileNeeds needs_of_tile(const ShadeFrame& frame, int x, int y) {
+    if (frame.settings.prelit_beyond_m == std::numeric_limits<float>::infinity()) return {.full = true};
+    TileNeeds needs;
+    for (int j = 0; j < farfield::kTileSize; ++j) {
+        const std::size_t first = frame.visibility.index(x, y + j);
+        for (int i = 0; i < farfield::kTileSize; ++i) {
+            if (frame.visibility.instance[first + i] == farfield::kSkyInstance) continue;
+            const bool far = frame.visibility.depth[first + i] > frame.settings.prelit_beyond_m;
+            needs.prelit |= far;
+            needs.full |= !far;
+        }
+    }
+    return needs;
+}
+
+std::uint64_t shade_tile(const ShadeFrame& frame, const farfield::TileRequest& tile, RawBlock& raw,
+                         TileScratch& scratch) {
+    const PinholeView& view = frame.view;
+    const int x0 = tile.x, y0 = tile.y;
+    const int columns = std::min(farfield::kTileSize, view.width - x0);
+    const int row_count = std::min(farfield::kTileSize, view.height - y0);
+    if (columns <= 0 || row_count <= 0) return 0;
+    std::uint16_t rows[farfield::kTileSize]{};
+    std::uint64_t pixels = 0;
+    for (int j = 0; j < row_count; ++j) {
+        rows[j] = std::uint16_t(tile.rows[j] & (0xFFFFu >> (farfield::kTileSize - columns)));
+        pixels += std::uint64_t(std::popcount(rows[j]));
+    }
+    if (pixels == 0) return 0;
+
+    collect_triangles(frame, x0, y0, rows, scratch);
+    const TileNeeds needs = needs_of_tile(frame, x0, y0);
+    const std::int32_t tile_bits = set_up_triangles(frame, needs, raw, scratch);
+
+    const int lanes = int(hn::Lanes(df));
+    const std::uint32_t lane_bits = lanes == 32 ? 0xFFFFFFFFu : (1u << lanes) - 1u;
+    const VF prelit_beyond = splat(frame.settings.prelit_beyond_m);
+    const bool has_fog = frame.uniforms.to_sun.w > 0.0f;
+    for (int j = 0; j < row_count; ++j) {
+        const std::size_t first = frame.visibility.index(x0, y0 + j);
+        const VF v = splat((float(y0 + j) + 0.5f) * view.v_step + view.v_first);
+        for (int i = 0; i < farfield::kTileSize; i += lanes) {
+            const std::uint32_t wanted = std::uint32_t(rows[j]) >> i & lane_bits;
+            if (wanted == 0) continue;
+            Rays rays;
+            const VF column = hn::Add(hn::Iota(df, float(x0 + i)), splat(0.5f));
+            rays.u = hn::MulAdd(column, splat(view.u_step), splat(view.u_first));
+            rays.v = v;
+            rays.length_squared = hn::MulAdd(rays.u, rays.u, hn::MulAdd(v, v, splat(1.0f)));
+
+            const std::int32_t* offsets = scratch.offset + j * farfield::kTileSize + i;
+            const VI offset = hn::Load(di, offsets);
+            const auto is_sky = hn::RebindMask(df, hn::Lt(offset, hn::Zero(di)));
+            Rgb color;
+            if (hn::AllTrue(df, is_sky)) {
+                const V3 d = rays.unit_directions(view);
+                color = sky_color(frame.uniforms, frame.scene.environment, d.x, d.y, d.z);
+            } else {
+                const VF depth = hn::Load(df, frame.visibility.depth.data() + first + i);
+                const bool one_triangle = hn::AllTrue(di, hn::Eq(offset, hn::Set(di, offsets[0])));
+                const Records<true> one = {scratch.records + std::max(offsets[0], 0), offset};
+                const Records<false> many = {scratch.records, hn::Max(offset, hn::Zero(di))};
+                const MF far = hn::Gt(depth, prelit_beyond);
+                const bool any_far = needs.prelit && !hn::AllFalse(df, far);
+                color = {hn::Zero(df), hn::Zero(df), hn::Zero(df)};
+                if (!any_far || !hn::AllTrue(df, hn::Or(far, is_sky)))
+                    color = one_triangle
+                                ? shade_surface<true>(frame, one,
+                                                      std::bit_cast<std::int32_t>(one.base[kRowInfo * kBlock]) |
+                                                          (tile_bits & kAnyWrapBit),
+                                                      rays)
+                                : shade_surface<false>(frame, many, tile_bits, rays);
+                if (any_far) color = select(far, one_triangle ? one.rgb(kRowPrelit) : many.rgb(kRowPrelit), color);
+                if (has_fog) {
+                    const VF distance = hn::Mul(depth, hn::Sqrt(rays.length_squared));
+                    const VF clear = exp_negative(hn::Mul(distance, splat(frame.uniforms.to_sun.w)));
+                    color = mix(splat(frame.uniforms.horizon), color, clear);
+                }
+                if (!hn::AllFalse(df, is_sky)) {
+                    const V3 d = rays.unit_directions(view);
+                    color = select(is_sky, sky_color(frame.uniforms, frame.scene.environment, d.x, d.y, d.z), color);
+                }
+            }
+            const VU encoded = encode_pixels(color);
+            std::uint32_t* out =
+                frame.out.pixels.data() + std::size_t(y0 + j) * std::size_t(frame.out.stride) + std::size_t(x0 + i);
+            if (wanted == lane_bits) {
+                hn::StoreU(encoded, du, out);
+            } else {
+                alignas(64) std::uint32_t lane_pixels[16];
+                hn::Store(encoded, du, lane_pixels);
+                for (int k = 0; k < lanes; ++k)
+                    if (wanted >> k & 1) out[k] = lane_pixels[k];
+            }
+        }
+    }
+    return pixels;
+}
+
+std::uint64_t shade_batch(const ShadeFrame& frame, std::span<const farfield::TileRequest> tiles, TileScratch& scratch) {
+    RawBlock raw{};
+    std::uint64_t pixels = 0;
+    for (const farfield::TileRequest& tile : tiles) pixels += shade_tile(frame, tile, raw, scratch);
+    return pixels;
+}
+
+}  // namespace ff::shading::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace ff::shading {
+
+HWY_EXPORT(shade_batch);
+
+std::uint64_t shade_tile_batch(const ShadeFrame& frame, std::span<const farfield::TileRequest> tiles,
+                               TileScratch& scratch) {
+    return HWY_DYNAMIC_DISPATCH(shade_batch)(frame, tiles, scratch);
+}
+
+}  // namespace ff::shading
+#endif

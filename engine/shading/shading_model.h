@@ -1,0 +1,52 @@
+#pragma once
+// The engine's one shading model: its constants, and what it needs of a frame, laid out so that C++ and GLSL read the
+// same bytes. engine/shading/README.md has the formulas; shaders/shading.glsl repeats them for the rasteriser.
+
+#include "engine/math/camera.h"
+#include "engine/scene/environment.h"
+
+namespace ff::shading {
+
+/// Share of the sky's radiance that reaches a surface facing it: what makes sun and shade differ by about 1:3.
+inline constexpr float kSkyLight = 0.55f;
+/// Lit colours bend from here and reach white at 2 - kSoftClipStart, so that sunlit walls keep their texture.
+inline constexpr float kSoftClipStart = 0.6f;
+inline constexpr float kSoftClipScale = 0.25f / (1.0f - kSoftClipStart);
+
+/// sRGB to linear: c * (k0 + c * (k1 + ...)); at most 0.43/255 off once encoded again.
+inline constexpr float kDecode[5] = {0.0664250691f, 0.195165952f, 1.76834260f, -1.77607619f, 0.749894059f};
+/// Linear to sRGB above kEncodeLinearEnd as a polynomial of sqrt(x), at most 0.2/255 off; below it 12.92 x.
+inline constexpr float kEncode[5] = {-0.0370060697f, 1.44790652f, -0.944849486f, 0.842726083f, -0.309520361f};
+inline constexpr float kEncodeLinearEnd = 0.0031308f;
+
+/// Per unit of a direction's height below the horizon, how fast the sky turns into haze.
+inline constexpr float kHazeRate = 8.0f;
+/// Sun in the sky, as shares of its radiance: cos^8 and cos^128 around it, and a disc of 0.6 degrees with a soft edge.
+inline constexpr float kSunGlowWide = 0.06f;
+inline constexpr float kSunGlowNarrow = 0.20f;
+inline constexpr float kSunDisc = 4.0f;
+inline constexpr float kSunDiscEdge = 0.99988f;  ///< cosine where it begins: 0.9 degrees
+inline constexpr float kSunDiscFull = 0.99997f;  ///< and is full: 0.45 degrees
+/// Reflectance of dielectrics facing the viewer, glTF's.
+inline constexpr float kDielectric = 0.04f;
+/// Below this a highlight would be a single pixel that flickers.
+inline constexpr float kMinRoughness = 0.08f;
+
+/// A frame's light and air as std140 uniforms. Vectors are in world axes, colours linear RGB.
+struct alignas(16) ShadingUniforms {
+    Vec4 to_sun;         ///< xyz unit; w: fog density per metre
+    Vec4 sun_radiance;   ///< w: pixel_angle squared
+    Vec4 ambient_side;   ///< light on a surface by its normal's height y: side + y * slope + y^2 * curve
+    Vec4 ambient_slope;  //
+    Vec4 ambient_curve;  //
+    Vec4 horizon;        ///< sky at eye level, and the colour of fog
+    Vec4 zenith;         //
+    Vec4 haze;           ///< what stands below the horizon where the world ends
+    Vec4 panorama_size;  ///< xy: width and height in texels, 0 without one; zw: unused
+};
+static_assert(sizeof(ShadingUniforms) == 9 * 16);
+
+/// @param pixel_angle  PinholeView::pixel_angle() of the view that is shaded
+[[nodiscard]] ShadingUniforms make_uniforms(const scene::Environment& environment, float pixel_angle);
+
+}  // namespace ff::shading

@@ -1,0 +1,42 @@
+#include "engine/shading/shading_pass.h"
+
+#include <atomic>
+
+#include "engine/core/check.h"
+#include "engine/core/jobs.h"
+#include "engine/shading/shade_frame.h"
+#include "engine/shading/shading_kernel.h"
+
+namespace ff::shading {
+namespace {
+// A few tiles a task: few enough for two workers to end together, enough to pay for a task.
+constexpr std::size_t kTilesPerTask = 16;
+}  // namespace
+
+void Image::resize(int new_width, int new_height) {
+    constexpr int kSize = farfield::kTileSize;
+    width = new_width;
+    height = new_height;
+    stride = (width + kSize - 1) / kSize * kSize;
+    pixels.assign(std::size_t(stride) * std::size_t((height + kSize - 1) / kSize * kSize), 0u);
+}
+
+std::uint64_t shade_tiles(const scene::StaticScene& scene, std::span<const scene::Instance> dynamic,
+                          const PinholeView& view, const farfield::VisibilityBuffer& visibility,
+                          std::span<const farfield::TileRequest> tiles, const ShadeSettings& settings, Image& out) {
+    FF_CHECK(out.width == view.width && out.height == view.height && out.stride == visibility.stride,
+             "image {}x{} stride {} for a view of {}x{}, visibility stride {}", out.width, out.height, out.stride,
+             view.width, view.height, visibility.stride);
+    FF_CHECK(visibility.width == view.width && visibility.height == view.height, "visibility {}x{} for a view of {}x{}",
+             visibility.width, visibility.height, view.width, view.height);
+    const ShadeFrame frame{
+        scene, dynamic, view, visibility, settings, make_uniforms(scene.environment, view.pixel_angle()), out};
+    std::atomic<std::uint64_t> pixels{0};
+    parallel_ranges(tiles.size(), kTilesPerTask, [&](std::size_t begin, std::size_t end) {
+        TileScratch scratch;
+        pixels += shade_tile_batch(frame, tiles.subspan(begin, end - begin), scratch);
+    });
+    return pixels;
+}
+
+}  // namespace ff::shading
