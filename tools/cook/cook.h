@@ -33,6 +33,7 @@ struct CookReport {
     std::uint64_t triangles_instanced = 0;  ///< as drawn: each instance counts
     std::uint64_t triangles_dropped = 0;    ///< degenerate
     std::uint64_t vertices = 0, textures = 0, texels = 0, materials = 0, meshes = 0, instances = 0, cells = 0;
+    std::uint64_t dynamic_instances = 0;
     std::uint64_t bytes_in = 0, bytes_out = 0;
     std::uint64_t cache_hits = 0, cache_misses = 0;
     double seconds = 0;
