@@ -95,7 +95,7 @@ class WorldLoader {
         FF_ASSIGN(world_->storage_, arrays_plan_.allocate());
         FF_ASSIGN(const assets::PageBuffer record_memory, records_plan_.allocate());
         FF_TRY(read_chunks());
-        FF_TRY(convert_records());
+        convert_records();
         FF_TRY(read_world_table());
         if (const auto problem = find_world_problem(world_->scene_, world_->info_, arrays_.mesh_leaves.size()))
             return error_of(*problem);
@@ -158,13 +158,12 @@ class WorldLoader {
         return pack_.read(targets);
     }
 
-    Status convert_records() {
+    void convert_records() {
         convert<Mesh, disk::Mesh>(records_.meshes, arrays_.meshes);
         convert<Instance, disk::Instance>(records_.instances, arrays_.instances);
         convert<Cell, disk::Cell>(records_.cells, arrays_.cells);
         convert<Material, disk::Material>(records_.materials, arrays_.materials);
         convert<Texture, disk::Texture>(records_.textures, arrays_.textures);
-        return {};
     }
 
     Status read_world_table() {
@@ -206,7 +205,13 @@ class WorldLoader {
         info.source_bytes = table.source_bytes();
         for (const disk::DynamicInstance* instance : *table.dynamic_instances())
             info.dynamic_instances.push_back(from_disk(*instance));
+        // Several entries of a FlatBuffer may point to one table: what it holds in all is held against its size.
+        std::uint64_t bytes = 0;
         for (const disk::Walk* stored : *table.walks()) {
+            bytes += stored->name()->size() + stored->frames()->size() * sizeof(disk::WalkFrame);
+            if (bytes > records_.world.size())
+                return pack_.error_in(chunk, fmt::format("walks of more than {} bytes; expected at most the table's {}",
+                                                         bytes, records_.world.size()));
             Walk walk{.name = stored->name()->str(),
                       .fov_deg = stored->fov_deg(),
                       .rate_hz = stored->rate_hz(),
