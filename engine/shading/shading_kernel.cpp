@@ -292,7 +292,7 @@ std::uint64_t shade_tile(const ShadeFrame& frame, const farfield::TileRequest& t
                 const V3 d = rays.unit_directions(view);
                 color = sky_color(frame.uniforms, frame.scene.environment, d.x, d.y, d.z);
             } else {
-                const VF depth = hn::Load(df, frame.visibility.depth.data() + first + i);
+                const VF depth = hn::LoadU(df, frame.visibility.depth.data() + first + i);
                 const bool one_triangle = hn::AllTrue(di, hn::Eq(offset, hn::Set(di, offsets[0])));
                 const Records<true> one = {scratch.records + std::max(offsets[0], 0), offset};
                 const Records<false> many = {scratch.records, hn::Max(offset, hn::Zero(di))};
