@@ -1,0 +1,85 @@
+#include "engine/farfield/beam_caster.h"
+
+#include <atomic>
+#include <glm/matrix.hpp>
+
+#include "engine/core/check.h"
+#include "engine/core/jobs.h"
+
+namespace ff::farfield {
+namespace beam {
+
+BeamView::BeamView(const PinholeView& pinhole)
+    : view(pinhole),
+      camera_from_world(glm::transpose(DMat3(pinhole.world_from_camera))),
+      pixel_angle(pinhole.pixel_angle()) {}
+
+DMat3 BeamView::tile_from_world(int x, int y) const {
+    // u = (px + 0.5) u_step + u_first, px = X + x + 7.5; the view axis is -z.
+    const double scale_x = 1.0 / double(view.u_step), scale_y = 1.0 / double(view.v_step);
+    const double offset_x = -double(view.u_first) * scale_x - 0.5 * kTileSize - x;
+    const double offset_y = -double(view.v_first) * scale_y - 0.5 * kTileSize - y;
+    const DMat3 tile_from_camera(DVec3(scale_x, 0, 0), DVec3(0, scale_y, 0), DVec3(-offset_x, -offset_y, -1));
+    return tile_from_camera * camera_from_world;
+}
+
+}  // namespace beam
+
+namespace {
+
+struct SharedCost {
+    std::atomic<std::uint64_t> rays{0}, nodes{0}, triangles{0};
+
+    void add(const CastCost& cost) {
+        rays.fetch_add(cost.rays, std::memory_order_relaxed);
+        nodes.fetch_add(cost.nodes, std::memory_order_relaxed);
+        triangles.fetch_add(cost.triangles, std::memory_order_relaxed);
+    }
+    [[nodiscard]] CastCost total() const { return {rays, nodes, triangles}; }
+};
+
+class BeamCaster final : public RayCaster {
+  public:
+    explicit BeamCaster(const scene::StaticScene& scene) : scene_(scene) {}
+
+    CastCost cast_tiles(const PinholeView& view, std::span<const TileRequest> tiles, VisibilityBuffer& out) override {
+        FF_CHECK(out.width >= view.width && out.height >= view.height, "view {} x {}, buffer {} x {}", view.width,
+                 view.height, out.width, out.height);
+        const beam::BeamView beam_view(view);
+        SharedCost shared;
+        parallel_ranges(tiles.size(), 8, [&](std::size_t begin, std::size_t end) {
+            CastCost cost;
+            for (std::size_t i = begin; i < end; ++i) beam::cast_tile(scene_, beam_view, tiles[i], out, cost);
+            shared.add(cost);
+        });
+        return shared.total();
+    }
+
+    CastCost cast_rays(std::span<const Ray> rays, std::span<RayHit> hits) override {
+        FF_CHECK(rays.size() == hits.size(), "{} rays, {} hits", rays.size(), hits.size());
+        SharedCost shared;
+        parallel_ranges(rays.size(), 64, [&](std::size_t begin, std::size_t end) {
+            CastCost cost;
+            for (std::size_t i = begin; i < end; ++i) hits[i] = beam::cast_ray(scene_, rays[i], cost);
+            shared.add(cost);
+        });
+        return shared.total();
+    }
+
+    // The trees are the pack's own: nothing is built.
+    [[nodiscard]] std::uint64_t memory_bytes() const override {
+        return scene_.mesh_nodes.size_bytes() + scene_.mesh_leaves.size_bytes() + scene_.instance_nodes.size_bytes();
+    }
+    [[nodiscard]] double build_seconds() const override { return 0.0; }
+
+  private:
+    scene::StaticScene scene_;
+};
+
+}  // namespace
+
+std::unique_ptr<RayCaster> make_beam_caster(const scene::StaticScene& scene) {
+    return std::make_unique<BeamCaster>(scene);
+}
+
+}  // namespace ff::farfield
