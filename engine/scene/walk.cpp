@@ -68,9 +68,15 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
     return row[b.size()];
 }
 
+/// Of words of unlike lengths: 0 for the same, 1 for nothing in common.
+double unlikeness(std::string_view a, std::string_view b) {
+    return static_cast<double>(edit_distance(a, b)) /
+           static_cast<double>(std::max({a.size(), b.size(), std::size_t(1)}));
+}
+
 std::string_view nearest_of(std::span<const std::string_view> names, std::string_view name) {
     return *std::min_element(names.begin(), names.end(), [&](std::string_view a, std::string_view b) {
-        return edit_distance(a, name) < edit_distance(b, name);
+        return unlikeness(a, name) < unlikeness(b, name);
     });
 }
 
