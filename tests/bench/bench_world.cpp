@@ -75,9 +75,20 @@ void add_texture(SceneData& data, std::uint32_t size, auto&& color) {
     texture.first_texel = data.texels.size();
     for (std::uint32_t level = size; level != 0; level /= 2) {
         ++texture.level_count;
+        // Every mip is the mean of the texels of level 0 under it, each evaluated anew; small enough for a bench.
+        const std::uint32_t block = size / level;
         for (std::uint32_t y = 0; y < level; ++y)
-            for (std::uint32_t x = 0; x < level; ++x)
-                data.texels.push_back(color((float(x) + 0.5f) / float(level), (float(y) + 0.5f) / float(level)));
+            for (std::uint32_t x = 0; x < level; ++x) {
+                std::uint32_t sum[4] = {};
+                for (std::uint32_t k = 0; k < block * block; ++k) {
+                    const std::uint32_t c = color((float(x * block + k % block) + 0.5f) / float(size),
+                                                  (float(y * block + k / block) + 0.5f) / float(size));
+                    for (int channel = 0; channel < 4; ++channel) sum[channel] += (c >> (8 * channel)) & 255u;
+                }
+                std::uint32_t mean = 0;
+                for (int channel = 0; channel < 4; ++channel) mean |= sum[channel] / (block * block) << (8 * channel);
+                data.texels.push_back(mean);
+            }
     }
     data.textures.push_back(texture);
 }

@@ -1,0 +1,394 @@
+#include "engine/farfield/panorama_kernels.h"
+
+#include <bit>
+#include <cstring>
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "engine/farfield/panorama_kernels.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace ff::farfield::panorama {
+namespace HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+using DF = hn::CappedTag<float, kTileSize>;
+using DI = hn::RebindToSigned<DF>;
+using DU = hn::RebindToUnsigned<DF>;
+using DU16 = hn::Repartition<std::uint16_t, DU>;
+using DU8 = hn::Repartition<std::uint8_t, DU>;
+using VF = hn::Vec<DF>;
+using VI = hn::Vec<DI>;
+using VU = hn::Vec<DU>;
+
+/// Camera ray (u, v, -1) to face coordinates: a = row[0] . ray and so on; constant over a tile that sees one face.
+struct FaceAxes {
+    Vec3 a, b, axis;
+};
+
+inline FaceAxes axes_of_face(const PinholeView& view, int face) {
+    static constexpr Vec3 kAxes[6][3] = {
+        {{0, 0, 1}, {0, 1, 0}, {1, 0, 0}},   {{0, 0, -1}, {0, 1, 0}, {-1, 0, 0}}, {{1, 0, 0}, {0, 0, 1}, {0, 1, 0}},
+        {{1, 0, 0}, {0, 0, -1}, {0, -1, 0}}, {{-1, 0, 0}, {0, 1, 0}, {0, 0, 1}},  {{1, 0, 0}, {0, 1, 0}, {0, 0, -1}},
+    };
+    const Mat3& m = view.world_from_camera;
+    const auto into_camera = [&](const Vec3& w) {
+        return Vec3(w.x * m[0].x + w.y * m[0].y + w.z * m[0].z, w.x * m[1].x + w.y * m[1].y + w.z * m[1].z,
+                    w.x * m[2].x + w.y * m[2].y + w.z * m[2].z);
+    };
+    return {into_camera(kAxes[face][0]), into_camera(kAxes[face][1]), into_camera(kAxes[face][2])};
+}
+
+/// Four texels mixed, each channel with weights that add up to 256.
+HWY_INLINE VU mix_quad(VU c00, VU c01, VU c10, VU c11, VU wx, VU wy) {
+    const DU du;
+    const DU16 d16;
+    const auto sixteen = hn::Set(du, 16u);
+    const VU nx = hn::Sub(sixteen, wx), ny = hn::Sub(sixteen, wy);
+    const auto both = [&](VU w) { return hn::BitCast(d16, hn::Or(w, hn::ShiftLeft<16>(w))); };
+    const auto w00 = both(hn::Mul(nx, ny)), w01 = both(hn::Mul(wx, ny));
+    const auto w10 = both(hn::Mul(nx, wy)), w11 = both(hn::Mul(wx, wy));
+    const auto low = hn::Set(du, 0x00FF00FFu);
+    const auto half = hn::Set(d16, std::uint16_t(128));
+    const auto even = [&](VU c) { return hn::BitCast(d16, hn::And(c, low)); };
+    const auto odd = [&](VU c) { return hn::BitCast(d16, hn::And(hn::ShiftRight<8>(c), low)); };
+    const auto mix = [&](auto a, auto b, auto c, auto d) {
+        const auto sum = hn::Add(hn::Add(hn::Mul(a, w00), hn::Mul(b, w01)), hn::Add(hn::Mul(c, w10), hn::Mul(d, w11)));
+        return hn::BitCast(du, hn::ShiftRight<8>(hn::Add(sum, half)));
+    };
+    const VU red_blue = mix(even(c00), even(c01), even(c10), even(c11));
+    const VU green = mix(odd(c00), odd(c01), odd(c10), odd(c11));
+    return hn::Or(hn::Or(red_blue, hn::ShiftLeft<8>(green)), hn::Set(du, 0xFF000000u));
+}
+
+HWY_INLINE VI bins_of(VF value) {
+    const DI di;
+    const VI bin =
+        hn::Add(hn::ShiftRight<kBinShift>(hn::BitCast(di, value)), hn::Set(di, kClassFirstStale - kFirstBin));
+    return hn::Min(hn::Max(bin, hn::Set(di, kClassFirstStale)), hn::Set(di, kClassLastStale));
+}
+
+/// @tparam kOneFace  all pixels lie on the face of `axes`
+/// @tparam kCheck    texels have to be looked at one by one; else all are good, of one record
+template <bool kOneFace, bool kCheck>
+void lookup_pixels(const LookupJob& job, const TileRequest& tile, int face, std::uint32_t record, TileClasses& out) {
+    const DF df;
+    const DI di;
+    const DU du;
+    const PanoramaMap& map = *job.map;
+    const PinholeView& view = *job.view;
+    const FaceAxes axes = axes_of_face(view, kOneFace ? face : 0);
+    const Mat3& m = view.world_from_camera;
+    const float scale = 0.5f * float(map.size) / map.extent, center = 0.5f * float(map.size) - 0.5f;
+    const VI last = hn::Set(di, map.size - 2);
+    const VI row_step = hn::Set(di, map.size);
+    const VI lane = hn::Iota(di, 0);
+    const auto* colors = map.colors.data();
+    const auto* instances = map.visibility.instance.data();
+    const auto* triangles = map.visibility.triangle.data();
+    const float* depths = map.visibility.depth.data();
+    const auto* record_pairs = reinterpret_cast<const std::int32_t*>(map.records.data());
+    const bool wants_visibility = job.target.visibility != nullptr;
+
+    for (int j = 0; j < kTileSize; ++j) {
+        if (tile.rows[j] == 0) continue;
+        const int y = int(tile.y) + j;
+        const float v = (float(y) + 0.5f) * view.v_step + view.v_first;
+        for (int i = 0; i < kTileSize; i += int(hn::Lanes(df))) {
+            const VI bits = hn::ShiftLeft<0>(hn::Set(di, tile.rows[j] >> i));
+            auto wanted = hn::Ne(hn::And(bits, hn::Shl(hn::Set(di, 1), lane)), hn::Zero(di));
+            const int x = int(tile.x) + i;
+            const VF u = hn::MulAdd(hn::Add(hn::ConvertTo(df, lane), hn::Set(df, float(x) + 0.5f)),
+                                    hn::Set(df, view.u_step), hn::Set(df, view.u_first));
+
+            // The pixel's ray on the cube.
+            VF a, b, axis;
+            VI base;
+            if constexpr (kOneFace) {
+                a = hn::MulAdd(hn::Set(df, axes.a.x), u, hn::Set(df, axes.a.y * v - axes.a.z));
+                b = hn::MulAdd(hn::Set(df, axes.b.x), u, hn::Set(df, axes.b.y * v - axes.b.z));
+                axis = hn::MulAdd(hn::Set(df, axes.axis.x), u, hn::Set(df, axes.axis.y * v - axes.axis.z));
+                base = hn::Set(di, face * map.size * map.size);
+            } else {
+                const VF dx = hn::MulAdd(hn::Set(df, m[0].x), u, hn::Set(df, m[1].x * v - m[2].x));
+                const VF dy = hn::MulAdd(hn::Set(df, m[0].y), u, hn::Set(df, m[1].y * v - m[2].y));
+                const VF dz = hn::MulAdd(hn::Set(df, m[0].z), u, hn::Set(df, m[1].z * v - m[2].z));
+                const VF ax = hn::Abs(dx), ay = hn::Abs(dy), az = hn::Abs(dz);
+                const auto on_x = hn::And(hn::Ge(ax, ay), hn::Ge(ax, az));
+                const auto on_y = hn::AndNot(on_x, hn::Ge(ay, az));
+                axis = hn::Max(ax, hn::Max(ay, az));
+                const auto with_sign_of = [&](VF value, VF sign) {
+                    return hn::Xor(value, hn::And(sign, hn::SignBit(df)));
+                };
+                a = hn::IfThenElse(on_x, with_sign_of(dz, dx), hn::IfThenElse(on_y, dx, hn::Neg(with_sign_of(dx, dz))));
+                b = hn::IfThenElse(on_y, with_sign_of(dz, dy), dy);
+                const VF along = hn::IfThenElse(on_x, dx, hn::IfThenElse(on_y, dy, dz));
+                const VI negative = hn::ShiftRight<31>(hn::BitCast(di, along));  // 0 or -1
+                const auto on_xi = hn::RebindMask(di, on_x), on_yi = hn::RebindMask(di, on_y);
+                const VI faces =
+                    hn::Sub(hn::IfThenElse(on_xi, hn::Zero(di), hn::IfThenElse(on_yi, hn::Set(di, 2), hn::Set(di, 4))),
+                            negative);
+                base = hn::Mul(faces, hn::Set(di, map.size * map.size));
+            }
+            const VF inverse = hn::Div(hn::Set(df, 1.0f), axis);
+            const VF tx = hn::MulAdd(hn::Mul(a, inverse), hn::Set(df, scale), hn::Set(df, center));
+            const VF ty = hn::MulAdd(hn::Mul(b, inverse), hn::Set(df, -scale), hn::Set(df, center));
+            const VI ix = hn::Min(hn::Max(hn::ConvertTo(di, tx), hn::Zero(di)), last);
+            const VI iy = hn::Min(hn::Max(hn::ConvertTo(di, ty), hn::Zero(di)), last);
+            // Weights in sixteenths of a texel, within [0, 16].
+            const auto sixteenths = [&](VF t, VI whole) {
+                const VF w = hn::MulAdd(hn::Sub(t, hn::ConvertTo(df, whole)), hn::Set(df, 16.0f), hn::Set(df, 0.5f));
+                return hn::Min(hn::Max(hn::ConvertTo(di, w), hn::Zero(di)), hn::Set(di, 16));
+            };
+            const VI wx = sixteenths(tx, ix), wy = sixteenths(ty, iy);
+            const VI at = hn::Add(hn::Add(base, ix), hn::Mul(iy, row_step));
+            const VI below = hn::Add(at, row_step);
+            const auto right_nearer = hn::Gt(wx, hn::Set(di, 8)), lower_nearer = hn::Gt(wy, hn::Set(di, 8));
+
+            const VU c00 = hn::GatherIndex(du, colors, at);
+            const VU c01 = hn::GatherIndex(du, colors + 1, at);
+            const VU c10 = hn::GatherIndex(du, colors, below);
+            const VU c11 = hn::GatherIndex(du, colors + 1, below);
+            const VI quad = hn::BitCast(di, hn::ShiftRight<24>(c00));
+            VU color = mix_quad(c00, c01, c10, c11, hn::BitCast(du, wx), hn::BitCast(du, wy));
+
+            VI near_record = hn::Set(di, int(record));
+            if constexpr (kCheck) {
+                // Two texels' records in one 32-bit load each.
+                const VI upper = hn::GatherOffset(di, record_pairs, hn::ShiftLeft<1>(at));
+                const VI lower = hn::GatherOffset(di, record_pairs, hn::ShiftLeft<1>(below));
+                const VI pair = hn::IfThenElse(lower_nearer, lower, upper);
+                near_record =
+                    hn::And(hn::IfThenElse(right_nearer, hn::ShiftRight<16>(pair), pair), hn::Set(di, 0xFFFF));
+                const auto same =
+                    hn::And(hn::Eq(upper, lower), hn::Eq(hn::And(upper, hn::Set(di, 0xFFFF)),
+                                                         hn::And(hn::ShiftRight<16>(upper), hn::Set(di, 0xFFFF))));
+                const auto use_quad = hn::And(same, hn::Gt(quad, hn::Set(di, int(kQuadHoles))));
+                const VU upper_color = hn::IfThenElse(hn::RebindMask(du, right_nearer), c01, c00);
+                const VU lower_color = hn::IfThenElse(hn::RebindMask(du, right_nearer), c11, c10);
+                const VU nearest = hn::IfThenElse(hn::RebindMask(du, lower_nearer), lower_color, upper_color);
+                color = hn::IfThenElse(hn::RebindMask(du, use_quad), color, hn::Or(nearest, hn::Set(du, 0xFF000000u)));
+
+                const VF t00 = hn::GatherIndex(df, depths, at), t01 = hn::GatherIndex(df, depths + 1, at);
+                const VF t10 = hn::GatherIndex(df, depths, below), t11 = hn::GatherIndex(df, depths + 1, below);
+                const auto rn = hn::RebindMask(df, right_nearer), ln = hn::RebindMask(df, lower_nearer);
+                const VF nearest_t = hn::IfThenElse(ln, hn::IfThenElse(rn, t11, t10), hn::IfThenElse(rn, t01, t00));
+                const VF least_t = hn::Min(hn::Min(t00, t01), hn::Min(t10, t11));
+                const VF t = hn::IfThenElse(hn::RebindMask(df, use_quad), least_t, nearest_t);
+
+                // Where the texel's point lies on the screen now: exact for a point at that depth.
+                const VF ex = hn::GatherIndex(df, job.moved_x, near_record);
+                const VF ey = hn::GatherIndex(df, job.moved_y, near_record);
+                const VF ez = hn::GatherIndex(df, job.moved_z, near_record);
+                const VF depth = hn::Max(hn::MulAdd(t, inverse, ez), hn::Set(df, 1e-6f));
+                const VF px = hn::MulAdd(u, ez, ex);
+                const VF py = hn::MulAdd(hn::Set(df, v), ez, ey);
+                const VF shift = hn::Sqrt(hn::MulAdd(px, px, hn::Mul(py, py)));
+                const VF parallax = hn::Div(hn::Mul(shift, hn::Set(df, job.focal_px)), depth);
+                VF measure = parallax;
+                if (job.by_distance) measure = hn::Sqrt(hn::MulAdd(ex, ex, hn::MulAdd(ey, ey, hn::Mul(ez, ez))));
+
+                const auto never = hn::Eq(near_record, hn::Set(di, int(kNeverTraced)));
+                const auto stale = hn::RebindMask(di, hn::Gt(measure, hn::Set(df, job.limit)));
+                const auto edge = hn::And(use_quad, hn::Eq(quad, hn::Set(di, int(kQuadEdge))));
+                VI classes = hn::IfThenElseZero(edge, hn::Set(di, kClassEdge));
+                classes = hn::IfThenElse(stale, bins_of(measure), classes);
+                classes = hn::IfThenElse(never, hn::Set(di, kClassNever), classes);
+                const hn::Rebind<std::uint8_t, DI> d8;
+                const int pixel = j * kTileSize + i;
+                hn::StoreU(hn::DemoteTo(d8, classes), d8, out.classes.data() + pixel);
+                hn::StoreU(hn::DemoteTo(d8, bins_of(parallax)), d8, out.parallax.data() + pixel);
+                if (!hn::AllTrue(di, hn::Or(hn::Not(wanted), hn::Eq(classes, hn::Zero(di))))) out.any = true;
+                wanted = hn::AndNot(never, wanted);
+            } else {
+                const auto smooth = hn::Eq(quad, hn::Set(di, int(kQuadSmooth)));
+                if (!hn::AllTrue(di, smooth)) {
+                    const hn::Rebind<std::uint8_t, DI> d8;
+                    const VI classes = hn::IfThenZeroElse(smooth, hn::Set(di, kClassEdge));
+                    hn::StoreU(hn::DemoteTo(d8, classes), d8, out.classes.data() + j * kTileSize + i);
+                    out.any = true;
+                }
+            }
+
+            const bool all = hn::AllTrue(di, wanted);
+            const auto put = [&](auto d, auto value, auto* to) {
+                if (all)
+                    hn::StoreU(value, d, to);
+                else
+                    hn::StoreU(hn::IfThenElse(hn::RebindMask(d, wanted), value, hn::LoadU(d, to)), d, to);
+            };
+            put(du, color, job.target.colors + std::size_t(y) * std::size_t(job.target.color_stride) + std::size_t(x));
+            if (!wants_visibility) continue;
+            VisibilityBuffer& target = *job.target.visibility;
+            const std::size_t to = target.index(x, y);
+            const VI one_right = hn::IfThenElseZero(right_nearer, hn::Set(di, 1));
+            const VI nearest_at = hn::Add(hn::IfThenElse(lower_nearer, below, at), one_right);
+            put(du, hn::GatherIndex(du, instances, nearest_at), target.instance.data() + to);
+            put(du, hn::GatherIndex(du, triangles, nearest_at), target.triangle.data() + to);
+            VF moved = hn::Set(df, job.moved_z[record]);
+            if constexpr (kCheck) moved = hn::GatherIndex(df, job.moved_z, near_record);
+            put(df, hn::MulAdd(hn::GatherIndex(df, depths, nearest_at), inverse, moved), target.depth.data() + to);
+        }
+    }
+}
+
+void LookupTile(const LookupJob& job, const TileRequest& tile, TileClasses& out) {
+    const PanoramaMap& map = *job.map;
+    out.any = false;
+    const TileFootprint footprint = footprint_of(map, *job.view, tile);
+    if (footprint.face < 0) {
+        out.checked = true;
+        lookup_pixels<false, true>(job, tile, 0, kNeverTraced, out);
+        return;
+    }
+    // Where all texels are good, of one record, nothing has to be looked at but colours.
+    const int side = map.tiles_side;
+    const TexelTile& first = map.tiles[std::size_t(footprint.y0 / kTileSize * side + footprint.x0 / kTileSize)];
+    bool good = is_tile_good(job, first);
+    float bound = tile_parallax_bound(job, first);
+    for (int ty = footprint.y0 / kTileSize; good && ty <= footprint.y1 / kTileSize; ++ty)
+        for (int tx = footprint.x0 / kTileSize; good && tx <= footprint.x1 / kTileSize; ++tx) {
+            const TexelTile& texels = map.tiles[std::size_t(ty * side + tx)];
+            good = texels.record == first.record && is_tile_good(job, texels);
+            bound = std::max(bound, tile_parallax_bound(job, texels));
+        }
+    out.checked = !good;
+    if (good) {
+        std::memset(out.classes.data(), kClassGood, out.classes.size());
+        out.tile_parallax = bin_of(bound);
+        lookup_pixels<true, false>(job, tile, footprint.face, first.record, out);
+    } else {
+        lookup_pixels<true, true>(job, tile, footprint.face, kNeverTraced, out);
+    }
+}
+
+void UpdateQuads(PanoramaMap& map, int tile_x, int tile_row, int edge_contrast) {
+    const DU du;
+    const DU8 d8;
+    const hn::Rebind<std::uint16_t, DU> d16;
+    const auto limit = hn::Set(d8, std::uint8_t(edge_contrast));
+    const auto rgb = hn::Set(du, 0x00FFFFFFu);
+    const std::size_t down = std::size_t(map.size);
+    const int last = map.size - 1;
+    for (int j = 0; j < kTileSize; ++j) {
+        const int row = tile_row * kTileSize + j;
+        for (int i = 0; i < kTileSize; i += int(hn::Lanes(du))) {
+            const int x = tile_x * kTileSize + i;
+            const std::size_t at = map.index(x, row);
+            std::uint32_t* colors = map.colors.data() + at;
+            const VU c00 = hn::LoadU(du, colors), c01 = hn::LoadU(du, colors + 1);
+            const VU c10 = hn::LoadU(du, colors + down), c11 = hn::LoadU(du, colors + down + 1);
+            const auto b00 = hn::BitCast(d8, c00), b01 = hn::BitCast(d8, c01);
+            const auto b10 = hn::BitCast(d8, c10), b11 = hn::BitCast(d8, c11);
+            const auto spread =
+                hn::Sub(hn::Max(hn::Max(b00, b01), hn::Max(b10, b11)), hn::Min(hn::Min(b00, b01), hn::Min(b10, b11)));
+            const auto over = hn::BitCast(du, hn::SaturatedSub(spread, limit));
+            const auto visible = hn::Ne(hn::And(over, rgb), hn::Zero(du));
+
+            const auto all_equal = [&](const std::uint32_t* ids) {
+                const VU own = hn::LoadU(du, ids);
+                return hn::And(
+                    hn::Eq(own, hn::LoadU(du, ids + 1)),
+                    hn::And(hn::Eq(own, hn::LoadU(du, ids + down)), hn::Eq(own, hn::LoadU(du, ids + down + 1))));
+            };
+            const auto same =
+                hn::And(all_equal(map.visibility.instance.data() + at), all_equal(map.visibility.triangle.data() + at));
+
+            const auto traced = [&](std::size_t offset) {
+                return hn::Ne(hn::PromoteTo(du, hn::LoadU(d16, map.records.data() + at + offset)), hn::Zero(du));
+            };
+            auto complete = hn::And(hn::And(traced(0), traced(1)), hn::And(traced(down), traced(down + 1)));
+            // The last column and row of a face have no neighbours; no lookup starts there.
+            const VU columns = hn::Add(hn::Iota(du, 0), hn::Set(du, std::uint32_t(x)));
+            complete = hn::And(complete, hn::Ne(columns, hn::Set(du, std::uint32_t(last))));
+            if (row % map.size == last) complete = hn::Ne(columns, columns);
+
+            const VU agreeing =
+                hn::IfThenElse(hn::AndNot(same, visible), hn::Set(du, kQuadEdge << 24), hn::Set(du, kQuadSmooth << 24));
+            hn::StoreU(hn::Or(hn::And(c00, rgb), hn::IfThenElseZero(complete, agreeing)), du, colors);
+        }
+    }
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace ff::farfield::panorama
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace ff::farfield::panorama {
+
+HWY_EXPORT(LookupTile);
+HWY_EXPORT(UpdateQuads);
+
+void lookup_tile(const LookupJob& job, const TileRequest& tile, TileClasses& out) {
+    HWY_DYNAMIC_DISPATCH(LookupTile)(job, tile, out);
+}
+void update_quads(PanoramaMap& map, int tile_x, int tile_row, int edge_contrast) {
+    HWY_DYNAMIC_DISPATCH(UpdateQuads)(map, tile_x, tile_row, edge_contrast);
+}
+
+float bin_upper_end(std::uint8_t bin) {
+    if (bin < kClassFirstStale) return 0.0f;
+    return std::bit_cast<float>((std::int32_t(bin) - kClassFirstStale + kFirstBin + 1) << kBinShift);
+}
+
+std::uint8_t bin_of(float value) {
+    if (!(value > 0)) return 0;
+    const std::int32_t bin = (std::bit_cast<std::int32_t>(value) >> kBinShift) - kFirstBin + kClassFirstStale;
+    return std::uint8_t(std::clamp<std::int32_t>(bin, kClassFirstStale, kClassLastStale));
+}
+
+TileFootprint footprint_of(const PanoramaMap& map, const PinholeView& view, const TileRequest& tile) {
+    // A tile is a convex cone, and so is a face: where the corners are, all is. The map from one to the other is
+    // projective, so the corners' box bounds all pixels.
+    TileFootprint out;
+    float low_x = 0, high_x = 0, low_y = 0, high_y = 0;
+    for (int corner = 0; corner < 4; ++corner) {
+        const Vec3 d =
+            view.direction(int(tile.x) + (corner & 1) * (kTileSize - 1), int(tile.y) + (corner >> 1) * (kTileSize - 1));
+        const FacePoint p = face_point(d);
+        const float x = texel_x(map, p.a), y = texel_y(map, p.b);
+        if (corner == 0) {
+            out.face = p.face;
+            low_x = high_x = x;
+            low_y = high_y = y;
+        } else if (p.face != out.face) {
+            out.face = -1;
+            return out;
+        }
+        low_x = std::min(low_x, x), high_x = std::max(high_x, x);
+        low_y = std::min(low_y, y), high_y = std::max(high_y, y);
+    }
+    // A tenth of a texel for rounding; one more for the quad's far side.
+    const int last = map.size - 1;
+    out.x0 = std::clamp(int(low_x - 0.1f), 0, last);
+    out.x1 = std::clamp(int(high_x + 1.1f), 0, last);
+    out.y0 = out.face * map.size + std::clamp(int(low_y - 0.1f), 0, last);
+    out.y1 = out.face * map.size + std::clamp(int(high_y + 1.1f), 0, last);
+    return out;
+}
+
+float tile_parallax_bound(const LookupJob& job, const TexelTile& tile) {
+    if (tile.record == kNeverTraced || tile.record == kMixedRecords) return std::numeric_limits<float>::infinity();
+    const float ex = job.moved_x[tile.record], ey = job.moved_y[tile.record], ez = job.moved_z[tile.record];
+    const float moved = std::sqrt(ex * ex + ey * ey + ez * ez);
+    if (moved == 0) return 0;
+    // A texel's axial depth is at most its distance; the screen's corner sees it under the largest angle.
+    const PinholeView& view = *job.view;
+    const float u = std::max(std::fabs(view.u_first), std::fabs(view.u_first + view.u_step * float(view.width)));
+    const float v = std::max(std::fabs(view.v_first), std::fabs(view.v_first + view.v_step * float(view.height)));
+    const float distance = tile.nearest_m - moved;
+    return distance > 0 ? job.focal_px * moved * (1 + u * u + v * v) / distance
+                        : std::numeric_limits<float>::infinity();
+}
+
+bool is_tile_good(const LookupJob& job, const TexelTile& tile) {
+    if (!tile.complete || tile.record == kMixedRecords || tile.record == kNeverTraced) return false;
+    if (!job.by_distance) return tile_parallax_bound(job, tile) <= job.limit;
+    const float ex = job.moved_x[tile.record], ey = job.moved_y[tile.record], ez = job.moved_z[tile.record];
+    return std::sqrt(ex * ex + ey * ey + ez * ez) <= job.limit;
+}
+
+}  // namespace ff::farfield::panorama
+#endif

@@ -1,0 +1,64 @@
+#pragma once
+// The inner loops of the panorama, for one tile each.
+
+#include <array>
+#include <cstdint>
+
+#include "engine/farfield/panorama_map.h"
+
+namespace ff::farfield::panorama {
+
+/// Why a pixel might be cast, worst highest. Between kClassFirstStale and kClassLastStale: bins of parallax or metres.
+inline constexpr std::uint8_t kClassGood = 0;
+inline constexpr std::uint8_t kClassEdge = 1;
+inline constexpr std::uint8_t kClassFirstStale = 2;
+inline constexpr std::uint8_t kClassLastStale = 254;
+inline constexpr std::uint8_t kClassNever = 255;
+
+/// Eight bins per power of two from 2^-12 on: the exponent and three bits of the mantissa.
+inline constexpr std::int32_t kFirstBin = 8 * (127 - 12);
+inline constexpr int kBinShift = 20;
+[[nodiscard]] float bin_upper_end(std::uint8_t bin);
+[[nodiscard]] std::uint8_t bin_of(float value);
+
+/// Per pixel of a tile, row-major.
+struct TileClasses {
+    std::array<std::uint8_t, kTileSize * kTileSize> classes;   ///< valid where `any`
+    std::array<std::uint8_t, kTileSize * kTileSize> parallax;  ///< bins; valid where `checked`
+    bool any = false;                                          ///< some pixel is not good
+    bool checked = false;  ///< texel by texel; else all are good and have the parallax below
+    std::uint8_t tile_parallax = 0;
+};
+
+struct LookupJob {
+    const PanoramaMap* map = nullptr;
+    const PinholeView* view = nullptr;
+    PanoramaTarget target;
+    /// The viewer's move since each record, camera axes, metres; [kRecordCount].
+    const float* moved_x = nullptr;
+    const float* moved_y = nullptr;
+    const float* moved_z = nullptr;
+    float focal_px = 0;
+    bool by_distance = false;
+    float limit = 0;  ///< pixels or metres
+};
+
+/// Texels that a pixel tile looks at, where all of them lie on one face.
+struct TileFootprint {
+    int face = -1;                       ///< -1: more than one
+    int x0 = 0, x1 = 0, y0 = 0, y1 = 0;  ///< inclusive; rows of the whole map
+};
+[[nodiscard]] TileFootprint footprint_of(const PanoramaMap& map, const PinholeView& view, const TileRequest& tile);
+
+/// Upper bound of the parallax of any texel of a tile of texels, seen within `view`.
+[[nodiscard]] float tile_parallax_bound(const LookupJob& job, const TexelTile& tile);
+/// Whether all texels of a tile of texels may be used as they are.
+[[nodiscard]] bool is_tile_good(const LookupJob& job, const TexelTile& tile);
+
+/// Writes what the map knows of the wanted pixels to the target, and sorts them into classes.
+void lookup_tile(const LookupJob& job, const TileRequest& tile, TileClasses& out);
+
+/// Computes the quad states (alpha bytes) of one tile of texels. Reads its right and lower neighbours.
+void update_quads(PanoramaMap& map, int tile_x, int tile_row, int edge_contrast);
+
+}  // namespace ff::farfield::panorama
