@@ -62,6 +62,16 @@ std::uint32_t component_as_index(const std::byte* at, int type) {
     }
 }
 
+// The bytes of a view that is read; a buffer without data has none.
+Result<Bytes> view_bytes(const GltfData& data, int view, const std::string& place) {
+    const Bytes bytes = data.views[static_cast<std::size_t>(view)];
+    if (bytes.empty())
+        return data.file.error(place, fmt::format("bufferViews[{}] lies in a buffer without data; expected a uri or a "
+                                                  "BIN chunk",
+                                                  view));
+    return bytes;
+}
+
 // The elements of an accessor, packed tightly, with sparse replacements done.
 Result<std::vector<std::byte>> gather(const GltfData& data, const tinygltf::Accessor& accessor,
                                       const std::string& place) {
@@ -72,10 +82,11 @@ Result<std::vector<std::byte>> gather(const GltfData& data, const tinygltf::Acce
                                                   accessor.count, kMaxUnbackedElements));
     std::vector<std::byte> packed(element * accessor.count);
     if (accessor.bufferView >= 0) {
-        const auto view = static_cast<std::size_t>(accessor.bufferView);
-        const std::size_t view_stride = data.model.bufferViews[view].byteStride;
+        FF_ASSIGN(const Bytes view, view_bytes(data, accessor.bufferView, place));
+        const std::size_t view_stride =
+            data.model.bufferViews[static_cast<std::size_t>(accessor.bufferView)].byteStride;
         const std::size_t stride = view_stride ? view_stride : element;
-        const std::byte* from = data.views[view].data() + accessor.byteOffset;
+        const std::byte* from = view.data() + accessor.byteOffset;
         if (stride == element)
             std::memcpy(packed.data(), from, packed.size());
         else
@@ -85,10 +96,10 @@ Result<std::vector<std::byte>> gather(const GltfData& data, const tinygltf::Acce
     if (accessor.sparse.isSparse) {
         const auto& sparse = accessor.sparse;
         const std::size_t index_size = component_size(sparse.indices.componentType);
-        const std::byte* indices =
-            data.views[static_cast<std::size_t>(sparse.indices.bufferView)].data() + sparse.indices.byteOffset;
-        const std::byte* values =
-            data.views[static_cast<std::size_t>(sparse.values.bufferView)].data() + sparse.values.byteOffset;
+        FF_ASSIGN(const Bytes index_view, view_bytes(data, sparse.indices.bufferView, place));
+        FF_ASSIGN(const Bytes value_view, view_bytes(data, sparse.values.bufferView, place));
+        const std::byte* indices = index_view.data() + sparse.indices.byteOffset;
+        const std::byte* values = value_view.data() + sparse.values.byteOffset;
         for (std::size_t i = 0; i < static_cast<std::size_t>(sparse.count); ++i) {
             const std::uint32_t index = component_as_index(indices + i * index_size, sparse.indices.componentType);
             if (index >= accessor.count)
@@ -154,9 +165,7 @@ Result<GltfData> open_views(const GltfFile& file, const tinygltf::Model& model) 
             continue;
         }
         const Bytes buffer = file.buffers[static_cast<std::size_t>(view.buffer)];
-        if (buffer.size() < view.byteOffset + view.byteLength)
-            return file.error(place, "a view of a fallback buffer without bytes; expected EXT_meshopt_compression");
-        data.views.push_back(buffer.subspan(view.byteOffset, view.byteLength));
+        data.views.push_back(buffer.empty() ? Bytes{} : buffer.subspan(view.byteOffset, view.byteLength));
     }
     return data;
 }

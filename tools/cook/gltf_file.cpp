@@ -59,13 +59,19 @@ Status parse_json(GltfFile& file, std::string_view text, const char* place) {
 
 // glTF 2.0 section 4.4: header (magic, version, length), then chunks (length, type, data): JSON, BIN, and others to be
 // skipped.
-Status split_glb(GltfFile& file) {
-    const Bytes bytes = file.file_bytes;
+Status split_glb(GltfFile& file, CookContext& context) {
+    Bytes bytes = file.file_bytes;
     if (bytes.size() < 20) return file.error("GLB header", fmt::format("{} bytes; expected at least 20", bytes.size()));
     if (const auto version = read_u32(bytes, 4); version != 2)
         return file.error("GLB header", fmt::format("version {}; expected 2", version));
-    if (const auto length = read_u32(bytes, 8); length != bytes.size())
-        return file.error("GLB header", fmt::format("length {}; expected the file's size, {}", length, bytes.size()));
+    const std::uint32_t file_length = read_u32(bytes, 8);
+    if (file_length > bytes.size() || file_length < 20)
+        return file.error("GLB header",
+                          fmt::format("length {}; expected the file's size, {}", file_length, bytes.size()));
+    if (file_length < bytes.size())
+        context.warn(
+            fmt::format("{}: {} bytes behind the end of the GLB; left out", file.name, bytes.size() - file_length));
+    bytes = bytes.first(file_length);
 
     bool has_json = false;
     std::string_view text;
@@ -181,7 +187,7 @@ Error GltfFile::error(const std::string& place, const std::string& found_and_exp
     return bad_input(fmt::format("{}: {}: {}", name, place, found_and_expected));
 }
 
-Result<GltfFile> open_gltf(const std::filesystem::path& path) {
+Result<GltfFile> open_gltf(const std::filesystem::path& path, CookContext& context) {
     GltfFile file;
     file.name = path.string();
     file.folder = path.parent_path();
@@ -189,7 +195,7 @@ Result<GltfFile> open_gltf(const std::filesystem::path& path) {
     file.bytes_read = file.file_bytes.size();
     if (file.file_bytes.empty()) return file.error("byte 0", "an empty file; expected glTF");
     if (file.file_bytes.size() >= 4 && read_u32(file.file_bytes, 0) == kGlbMagic) {
-        FF_TRY(split_glb(file));
+        FF_TRY(split_glb(file, context));
     } else {
         const char* text = reinterpret_cast<const char*>(file.file_bytes.data());
         FF_TRY(parse_json(file, {text, file.file_bytes.size()}, "document"));
@@ -226,13 +232,11 @@ Status load_buffers(GltfFile& file) {
         Bytes bytes;
         if (const auto uri = buffer.find("uri"); uri != buffer.end()) {
             FF_ASSIGN(bytes, load_uri(file, uri->get_ref<const std::string&>(), place + ".uri"));
-        } else if (buffer.contains("/extensions/EXT_meshopt_compression"_json_pointer)) {
-            file.buffers.emplace_back();  // stands in for readers without the decoder; we have it
-            continue;
         } else if (i == 0 && file.has_binary_chunk) {
             bytes = file.binary_chunk;
         } else {
-            return file.error(place, "no uri; expected one (only buffer 0 of a .glb may be its BIN chunk)");
+            file.buffers.emplace_back();  // allowed as long as nobody reads it, as behind EXT_meshopt_compression
+            continue;
         }
         if (bytes.size() < length)
             return file.error(place + ".byteLength",

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "engine/core/result.h"
+#include "tools/cook/cook_context.h"
 
 namespace ff::cook {
 
@@ -25,7 +26,7 @@ struct GltfFile {
     Bytes binary_chunk;  ///< of a .glb, inside file_bytes; empty where there is none
     bool has_binary_chunk = false;
     std::vector<std::unique_ptr<std::vector<std::byte>>> loaded;  ///< owners of what URIs named
-    std::vector<Bytes> buffers;    ///< by index of `buffers`, cut to byteLength; empty for a meshopt fallback buffer
+    std::vector<Bytes> buffers;    ///< by index of `buffers`, cut to byteLength; empty where there is no data
     std::uint64_t bytes_read = 0;  ///< of all files
 
     /// An error at a place of this file, e.g. ("accessors[3].count", "0; expected at least 1").
@@ -35,7 +36,7 @@ struct GltfFile {
 inline constexpr int kMaxJsonDepth = 64;
 
 /// Reads the file and splits a .glb into its chunks (told by its first bytes, not by its name).
-[[nodiscard]] Result<GltfFile> open_gltf(const std::filesystem::path& path);
+[[nodiscard]] Result<GltfFile> open_gltf(const std::filesystem::path& path, CookContext& context);
 
 /// Fills `buffers`. The JSON's shape must have been validated.
 [[nodiscard]] Status load_buffers(GltfFile& file);

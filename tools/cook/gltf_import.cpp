@@ -115,7 +115,7 @@ Result<Model> append(const GltfFile& file, ImportedMaterials imported, std::vect
 }
 
 Result<Model> import_checked(const std::filesystem::path& path, WorldSource& into, CookContext& context) {
-    FF_ASSIGN(GltfFile file, open_gltf(path));
+    FF_ASSIGN(GltfFile file, open_gltf(path, context));
     FF_TRY(validate_gltf(file, context));
     FF_TRY(load_buffers(file));
     FF_ASSIGN(const tinygltf::Model typed, parse_gltf(file));

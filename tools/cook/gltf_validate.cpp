@@ -183,6 +183,9 @@ class Validator {
             if (view.stride % 4 != 0)
                 return error(place + ".byteStride", fmt::format("{}; expected a multiple of 4", view.stride));
             FF_TRY(check_buffer_range(views[i], place, view.length));
+            if (view.stride > view.length)
+                return error(place + ".byteStride",
+                             fmt::format("{}; expected at most the view's {} bytes", view.stride, view.length));
             if (views[i].contains(meshopt)) FF_TRY(check_meshopt(views[i].at(meshopt), place, view.length));
             views_.push_back(view);
         }

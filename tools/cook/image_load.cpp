@@ -117,7 +117,10 @@ Result<SourceTexture> decode(std::span<const std::byte> bytes, const std::string
     OIIO::Filesystem::IOMemReader memory(const_cast<std::byte*>(bytes.data()), bytes.size());
     OIIO::ImageSpec config;
     config.attribute("oiio:UnassociatedAlpha", 1);  // as glTF and our textures have it
-    const auto input = OIIO::ImageInput::open(file_name, &config, &memory);
+    // In the configuration as well: with one, readers take their proxy from there and nowhere else.
+    OIIO::Filesystem::IOProxy* proxy = &memory;
+    config.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, &proxy);
+    const auto input = OIIO::ImageInput::open(file_name, &config, proxy);
     if (!input) return bad_input(fmt::format("{}: {}; expected an intact image", name, OIIO::geterror()));
     const OIIO::ImageSpec spec = input->spec();
     if (spec.width < 1 || spec.height < 1 || spec.width > kMaxSourceSize || spec.height > kMaxSourceSize ||
