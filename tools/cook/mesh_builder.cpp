@@ -29,8 +29,11 @@ void MeshBuilder::triangle(std::uint32_t a, std::uint32_t b, std::uint32_t c, st
     geometry_.triangle_materials.push_back(std::uint16_t(material));
 }
 
-void MeshBuilder::flat_triangle(const std::array<DVec3, 3>& corners, const std::array<Vec2, 3>& uvs,
+void MeshBuilder::flat_triangle(const std::array<DVec3, 3>& straight, const std::array<Vec2, 3>& uvs,
                                 std::uint32_t material, std::uint32_t color) {
+    std::array<DVec3, 3> corners = straight;
+    if (warp_)
+        for (DVec3& corner : corners) corner = warp_(corner);
     const DVec3 normal = glm::cross(corners[1] - corners[0], corners[2] - corners[0]);
     const double length = glm::length(normal);
     if (!(length > 1e-9)) return;
@@ -40,8 +43,11 @@ void MeshBuilder::flat_triangle(const std::array<DVec3, 3>& corners, const std::
     triangle(ids[0], ids[1], ids[2], material);
 }
 
-void MeshBuilder::flat_quad(const std::array<DVec3, 4>& corners, const std::array<Vec2, 4>& uvs, std::uint32_t material,
-                            std::uint32_t color) {
+void MeshBuilder::flat_quad(const std::array<DVec3, 4>& straight, const std::array<Vec2, 4>& uvs,
+                            std::uint32_t material, std::uint32_t color) {
+    std::array<DVec3, 4> corners = straight;
+    if (warp_)
+        for (DVec3& corner : corners) corner = warp_(corner);
     const DVec3 normal = glm::cross(corners[2] - corners[0], corners[3] - corners[1]);
     const double length = glm::length(normal);
     if (!(length > 1e-9)) return;

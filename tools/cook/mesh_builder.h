@@ -3,7 +3,9 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <string>
+#include <utility>
 
 #include "tools/cook/world_source.h"
 
@@ -17,6 +19,9 @@ inline constexpr std::uint32_t kWhite = 0xFFFFFFFFu;
 class MeshBuilder {
   public:
     MeshBuilder(std::string name, const WorldPos& origin);
+
+    /// Bends what is added from now on with flat_triangle and flat_quad: world to world. Empty: straight.
+    void set_warp(std::function<DVec3(const DVec3&)> warp) { warp_ = std::move(warp); }
 
     /// Adds a vertex; @return its index in this mesh.
     std::uint32_t vertex(const DVec3& world, const Vec3& unit_normal, const Vec2& uv, std::uint32_t color = kWhite);
@@ -36,6 +41,7 @@ class MeshBuilder {
   private:
     std::string name_;
     WorldPos origin_;
+    std::function<DVec3(const DVec3&)> warp_;
     scene::MeshSource geometry_;
 };
 

@@ -1,0 +1,234 @@
+#include "tools/cook/terrain.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <limits>
+#include <unordered_map>
+
+#include "engine/core/jobs.h"
+#include "tools/cook/mesh_builder.h"
+
+namespace ff::cook {
+
+double HeightField::sample(double x, double z) const {
+    const double u = std::clamp((x - low_x) / spacing_x, 0.0, double(columns - 1));
+    const double v = std::clamp((z - low_z) / spacing_z, 0.0, double(rows - 1));
+    const int i = std::min(int(u), columns - 2), j = std::min(int(v), rows - 2);
+    const double fu = u - i, fv = v - j;
+    const double north = at(i, j) + fu * (at(i + 1, j) - at(i, j));
+    const double south = at(i, j + 1) + fu * (at(i + 1, j + 1) - at(i, j + 1));
+    return north + fv * (south - north);
+}
+
+Vec3 HeightField::normal_at(int column, int row) const {
+    const int w = std::max(column - 1, 0), e = std::min(column + 1, columns - 1);
+    const int n = std::max(row - 1, 0), s = std::min(row + 1, rows - 1);
+    const double dx = (at(e, row) - at(w, row)) / ((e - w) * spacing_x);
+    const double dz = (at(column, s) - at(column, n)) / ((s - n) * spacing_z);
+    return Vec3(glm::normalize(DVec3(-dx, 1.0, -dz)));
+}
+
+Terrain::Terrain(HeightField field, double max_error_m, std::vector<RectXZ> exact)
+    : field_(std::move(field)), max_error_(float(max_error_m)) {
+    int squares = 2;
+    while (squares + 1 < std::max(field_.columns, field_.rows)) squares *= 2;
+    side_ = squares + 1;
+    compute_errors(exact);
+}
+
+bool Terrain::covers(double x, double z) const {
+    return x >= field_.low_x && z >= field_.low_z && x <= field_.high_x() && z <= field_.high_z();
+}
+
+DVec3 Terrain::position(Corner c) const {
+    c = {std::min(c.x, field_.columns - 1), std::min(c.z, field_.rows - 1)};
+    return {field_.low_x + c.x * field_.spacing_x, field_.at(c.x, c.z), field_.low_z + c.z * field_.spacing_z};
+}
+
+// The error of a midpoint m: how far the mesh may be off within the diamond of the two triangles that share the
+// hypotenuse through m, if m is left out. It is at least that of the diamonds inside, so that whoever keeps a small
+// diamond's midpoint keeps all larger ones around it, which is what leaves no cracks.
+//
+// Step s = 1, 2, 4, ..: first the midpoints of axis-aligned hypotenuses of length 2 s, then of diagonals across squares
+// of side 2 s; each looks at the four midpoints of the step before it.
+void Terrain::compute_errors(const std::vector<RectXZ>& exact) {
+    const int last_column = field_.columns - 1, last_row = field_.rows - 1;
+    errors_.assign(std::size_t(side_) * side_, 0.0f);
+    struct SampleRect {
+        int x0, z0, x1, z1;
+    };
+    std::vector<SampleRect> exact_samples;
+    for (const RectXZ& r : exact) {
+        const auto column = [&](double x) { return int(std::clamp((x - field_.low_x) / field_.spacing_x, -1e6, 1e6)); };
+        const auto row = [&](double z) { return int(std::clamp((z - field_.low_z) / field_.spacing_z, -1e6, 1e6)); };
+        exact_samples.push_back({column(r.x0) - 1, row(r.z0) - 1, column(r.x1) + 2, row(r.z1) + 2});
+    }
+    const float infinite = std::numeric_limits<float>::infinity();
+    const auto height = [&](int x, int z) { return field_.at(std::min(x, last_column), std::min(z, last_row)); };
+    const auto forced = [&](int x, int z, int s) {
+        const bool reaches_in = x - s < last_column && z - s < last_row;
+        const bool reaches_out = x + s > last_column || z + s > last_row;
+        if (reaches_in && reaches_out) return true;
+        for (const SampleRect& r : exact_samples)
+            if (x + s > r.x0 && x - s < r.x1 && z + s > r.z0 && z - s < r.z1) return true;
+        return false;
+    };
+    const auto child = [&](int x, int z) {
+        return x < 0 || z < 0 || x >= side_ || z >= side_ ? 0.0f : error_at(x, z);
+    };
+
+    for (int s = 1; s < side_; s *= 2) {
+        const std::size_t row_count = std::size_t((side_ - 1) / s + 1);
+        // Midpoints of axis-aligned hypotenuses.
+        parallel_ranges(row_count, 16, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t r = begin; r < end; ++r) {
+                const int z = int(r) * s;
+                const bool odd_row = r % 2 == 1;
+                for (int x = odd_row ? 0 : s; x < side_; x += 2 * s) {
+                    const float ends = odd_row ? height(x, z - s) + height(x, z + s) : height(x - s, z) + height(x + s, z);
+                    float error = std::abs(0.5f * ends - height(x, z));
+                    if (s > 1) {
+                        const int q = s / 2;
+                        error = std::max({error, child(x - q, z - q), child(x + q, z - q), child(x - q, z + q),
+                                          child(x + q, z + q)});
+                    }
+                    errors_[std::size_t(z) * side_ + x] = forced(x, z, s) ? infinite : error;
+                }
+            }
+        });
+        // Midpoints of diagonals: the centres of squares of side 2 s. The diagonal runs through the centre of the
+        // square of twice the size.
+        parallel_ranges(row_count / 2, 16, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t r = begin; r < end; ++r) {
+                const int z = int(2 * r + 1) * s;
+                for (int x = s; x < side_; x += 2 * s) {
+                    const bool main_diagonal = ((x / (2 * s)) + int(r)) % 2 == 0;
+                    const float ends = main_diagonal ? height(x - s, z - s) + height(x + s, z + s)
+                                                     : height(x - s, z + s) + height(x + s, z - s);
+                    const float error = std::max({std::abs(0.5f * ends - height(x, z)), error_at(x - s, z),
+                                                  error_at(x + s, z), error_at(x, z - s), error_at(x, z + s)});
+                    errors_[std::size_t(z) * side_ + x] = forced(x, z, s) ? infinite : error;
+                }
+            }
+        });
+    }
+}
+
+bool Terrain::is_split(Corner a, Corner b, Corner apex) const {
+    if (std::abs(a.x - apex.x) + std::abs(a.z - apex.z) <= 1) return false;  // legs of one sample: nothing in between
+    return error_at((a.x + b.x) / 2, (a.z + b.z) / 2) > max_error_;
+}
+
+bool Terrain::is_outside(Corner a, Corner b, Corner c) const {
+    return std::min({a.x, b.x, c.x}) >= field_.columns - 1 || std::min({a.z, b.z, c.z}) >= field_.rows - 1;
+}
+
+template <class Visit>
+void Terrain::visit_triangles(Corner a, Corner b, Corner apex, const Visit& visit) const {
+    if (is_outside(a, b, apex)) return;
+    if (!is_split(a, b, apex)) {
+        visit(a, b, apex);
+        return;
+    }
+    const Corner middle{(a.x + b.x) / 2, (a.z + b.z) / 2};
+    visit_triangles(apex, a, middle, visit);
+    visit_triangles(b, apex, middle, visit);
+}
+
+std::optional<double> Terrain::height_at(double x, double z) const {
+    if (!covers(x, z)) return std::nullopt;
+    const double u = (x - field_.low_x) / field_.spacing_x, v = (z - field_.low_z) / field_.spacing_z;
+    // Twice the signed area of (p, q, (u, v)).
+    const auto side_of = [&](Corner p, Corner q) { return (q.x - p.x) * (v - p.z) - (q.z - p.z) * (u - p.x); };
+    const int n = side_ - 1;
+    Corner a{0, 0}, b{n, n}, apex{n, 0};
+    if (v > u) {
+        std::swap(a, b);
+        apex = {0, n};
+    }
+    while (is_split(a, b, apex)) {
+        const Corner middle{(a.x + b.x) / 2, (a.z + b.z) / 2};
+        const bool on_side_of_a = (side_of(apex, middle) >= 0) == ((middle.x - apex.x) * (a.z - apex.z) -
+                                                                       (middle.z - apex.z) * (a.x - apex.x) >=
+                                                                   0);
+        if (on_side_of_a) {
+            b = a;
+            a = apex;
+        } else {
+            a = b;
+            b = apex;
+        }
+        apex = middle;
+    }
+    const double total = double(b.x - a.x) * (apex.z - a.z) - double(b.z - a.z) * (apex.x - a.x);
+    const double wa = side_of(b, apex) / total, wb = side_of(apex, a) / total;
+    return wa * position(a).y + wb * position(b).y + (1.0 - wa - wb) * position(apex).y;
+}
+
+void Terrain::add_to(WorldSource& world, const Look& look, int chunk_samples) const {
+    // The tops of the chunks: triangles of the hierarchy of about the asked size, or larger ones that are not split.
+    struct Triangle {
+        Corner a, b, apex;
+    };
+    std::vector<Triangle> tops;
+    const auto collect = [&](auto&& self, Corner a, Corner b, Corner apex) -> void {
+        if (is_outside(a, b, apex)) return;
+        const int hypotenuse = std::max(std::abs(a.x - b.x), std::abs(a.z - b.z));
+        if (hypotenuse <= chunk_samples || !is_split(a, b, apex)) {
+            tops.push_back({a, b, apex});
+            return;
+        }
+        const Corner middle{(a.x + b.x) / 2, (a.z + b.z) / 2};
+        self(self, apex, a, middle);
+        self(self, b, apex, middle);
+    };
+    const int n = side_ - 1;
+    collect(collect, {0, 0}, {n, n}, {n, 0});
+    collect(collect, {n, n}, {0, 0}, {0, n});
+
+    std::vector<SourceMesh> meshes(tops.size());
+    std::vector<DVec3> origins(tops.size());
+    parallel_for(tops.size(), [&](std::size_t t) {
+        const Triangle& top = tops[t];
+        const DVec3 origin = glm::floor(position({(top.a.x + top.b.x) / 2, (top.a.z + top.b.z) / 2}));
+        // Texture coordinates count from a whole number of tiles near the chunk, to keep their digits.
+        const double tile_x = std::floor(origin.x / look.texture_size_m), tile_z = std::floor(origin.z / look.texture_size_m);
+        MeshBuilder builder(fmt::format("terrain {}", t), origin);
+        std::unordered_map<std::uint64_t, std::uint32_t> vertices;
+        const auto vertex = [&](Corner c) {
+            const auto [place, is_new] = vertices.try_emplace(std::uint64_t(c.z) << 32 | std::uint32_t(c.x), 0u);
+            if (is_new) {
+                const DVec3 p = position(c);
+                const Vec3 normal = field_.normal_at(c.x, c.z);
+                const Vec2 uv(p.x / look.texture_size_m - tile_x, p.z / look.texture_size_m - tile_z);
+                place->second = builder.vertex(p, normal, uv, look.color ? look.color(p.x, p.y, p.z, normal) : kWhite);
+            }
+            return place->second;
+        };
+        visit_triangles(top.a, top.b, top.apex, [&](Corner a, Corner b, Corner apex) {
+            const DVec3 pa = position(a), pb = position(b), pc = position(apex);
+            const DVec3 normal = glm::normalize(glm::cross(pb - pa, pc - pa));
+            const bool steep = std::abs(normal.y) < look.steep_cos;
+            const std::uint32_t material = steep ? look.steep_material : look.material;
+            if (normal.y >= 0)
+                builder.triangle(vertex(a), vertex(b), vertex(apex), material);
+            else
+                builder.triangle(vertex(b), vertex(a), vertex(apex), material);
+        });
+        origins[t] = origin;
+        meshes[t] = builder.take();
+    });
+    for (std::size_t t = 0; t < tops.size(); ++t) {
+        if (meshes[t].geometry.indices.empty()) continue;
+        Placement placement;
+        placement.mesh = std::uint32_t(world.meshes.size());
+        placement.position = origins[t];
+        world.meshes.push_back(std::move(meshes[t]));
+        world.placements.push_back(placement);
+    }
+}
+
+}  // namespace ff::cook
