@@ -22,8 +22,12 @@ void FrameHistory::reset(int width, int height) {
             all_tiles.push_back(tile);
         }
     }
-    requests.clear();
-    requests.reserve(all_tiles.size());
+    for (auto* scratch : {&wanted, &requests, &to_shade}) {
+        scratch->clear();
+        scratch->reserve(all_tiles.size());
+    }
+    if (panorama) panorama->clear();
+    rest_frames = 0;
     has_frame = false;
     frame_number = 0;
 }

@@ -9,11 +9,13 @@
 #include "engine/budget/cost_model.h"
 #include "engine/budget/governor.h"
 #include "engine/farfield/horizon.h"
+#include "engine/farfield/panorama.h"
 #include "engine/farfield/pixel_mask.h"
 #include "engine/farfield/ray_caster.h"
 #include "engine/farfield/visibility_buffer.h"
 #include "engine/frame/stats.h"
 #include "engine/math/camera.h"
+#include "engine/shading/shading_pass.h"
 
 namespace ff::frame {
 
@@ -28,8 +30,12 @@ struct FrameHistory {
     budget::Outlook outlook;  ///< drawn from the last frame's visibility
     farfield::HorizonMap horizon;
     farfield::VisibilityBuffer visibility;
+    std::unique_ptr<farfield::Panorama> panorama;  ///< made when a plan first asks for it
+    shading::Image panorama_colors;                ///< where its texels are shaded
     SourceMasks sources;
-    std::vector<farfield::TileRequest> requests;  ///< scratch: what is still to be answered, one a tile at most
+    std::vector<farfield::TileRequest> wanted;    ///< scratch: what neither near field nor horizon answers
+    std::vector<farfield::TileRequest> requests;  ///< scratch: what is to be cast
+    std::vector<farfield::TileRequest> to_shade;  ///< scratch: what no cached colour answers
     std::vector<farfield::TileRequest> all_tiles;
     bool has_frame = false;
     int rest_frames = 0;  ///< frames since the viewer last moved

@@ -7,6 +7,8 @@
 namespace ff::frame {
 namespace {
 
+using farfield::CastCost;
+using farfield::kTileSize;
 using farfield::PixelMask;
 using farfield::TileRequest;
 
@@ -27,12 +29,12 @@ class TimedPass {
 void mark_sky(const PixelMask& sky, farfield::VisibilityBuffer& visibility) {
     for (std::size_t t = 0; t < sky.tiles.size(); ++t) {
         const farfield::TileMask& mask = sky.tiles[t];
-        const int x0 = int(t % std::size_t(sky.tiles_x)) * farfield::kTileSize;
-        const int y0 = int(t / std::size_t(sky.tiles_x)) * farfield::kTileSize;
-        for (int row = 0; row < farfield::kTileSize; ++row) {
+        const int x0 = int(t % std::size_t(sky.tiles_x)) * kTileSize;
+        const int y0 = int(t / std::size_t(sky.tiles_x)) * kTileSize;
+        for (int row = 0; row < kTileSize; ++row) {
             if (mask.rows[row] == 0) continue;
             const std::size_t first = visibility.index(x0, y0 + row);
-            for (unsigned i = 0; i < farfield::kTileSize; ++i) {
+            for (unsigned i = 0; i < kTileSize; ++i) {
                 if (((mask.rows[row] >> i) & 1u) == 0) continue;
                 visibility.instance[first + i] = farfield::kSkyInstance;
                 visibility.depth[first + i] = std::numeric_limits<float>::infinity();
@@ -42,38 +44,98 @@ void mark_sky(const PixelMask& sky, farfield::VisibilityBuffer& visibility) {
 }
 
 /// The tiles' pixels that none of the masks has answered; tiles that are done are left out.
-std::uint64_t collect_requests(const std::vector<TileRequest>& all, std::span<const PixelMask* const> answered,
-                               std::vector<TileRequest>& requests, PixelMask& asked) {
+void collect_requests(std::span<const TileRequest> all, std::span<const PixelMask* const> answered,
+                      std::vector<TileRequest>& requests) {
     requests.clear();
-    std::uint64_t pixels = 0;
     for (std::size_t t = 0; t < all.size(); ++t) {
         TileRequest request = all[t];
-        for (const PixelMask* mask : answered)
-            for (int row = 0; row < farfield::kTileSize; ++row)
-                request.rows[row] = std::uint16_t(request.rows[row] & ~mask->tiles[t].rows[row]);
-        int count = 0;
-        for (int row = 0; row < farfield::kTileSize; ++row) {
-            asked.tiles[t].rows[row] = request.rows[row];
-            count += std::popcount(request.rows[row]);
+        unsigned any = 0;
+        for (int row = 0; row < kTileSize; ++row) {
+            unsigned bits = request.rows[row];
+            for (const PixelMask* mask : answered) bits &= ~unsigned(mask->tiles[t].rows[row]);
+            request.rows[row] = std::uint16_t(bits);
+            any |= bits;
         }
-        if (count > 0) requests.push_back(request);
-        pixels += std::uint64_t(count);
+        if (any != 0) requests.push_back(request);
     }
-    return pixels;
+}
+
+farfield::TileMask& tile_of(PixelMask& mask, const TileRequest& request) {
+    return mask.tiles[std::size_t(request.y / kTileSize) * std::size_t(mask.tiles_x) + request.x / kTileSize];
+}
+
+void mark(std::span<const TileRequest> requests, PixelMask& mask) {
+    for (const TileRequest& request : requests)
+        for (int row = 0; row < kTileSize; ++row) tile_of(mask, request).rows[row] |= request.rows[row];
+}
+
+/// Marks the pixels of `wanted` that are not in `left`, tile lists in any order.
+void subtract(std::span<const TileRequest> wanted, std::span<const TileRequest> left, PixelMask& mask) {
+    mark(wanted, mask);
+    for (const TileRequest& request : left)
+        for (int row = 0; row < kTileSize; ++row) tile_of(mask, request).rows[row] &= std::uint16_t(~request.rows[row]);
 }
 
 std::uint64_t count_misses(std::span<const TileRequest> requests, const farfield::VisibilityBuffer& visibility) {
     std::uint64_t misses = 0;
     for (const TileRequest& request : requests)
-        for (int row = 0; row < farfield::kTileSize; ++row) {
+        for (int row = 0; row < kTileSize; ++row) {
             if (request.rows[row] == 0) continue;
             const std::uint32_t* instance = &visibility.instance[visibility.index(request.x, request.y + row)];
             unsigned sky = 0;
-            for (unsigned i = 0; i < farfield::kTileSize; ++i)
-                sky |= unsigned(instance[i] == farfield::kSkyInstance) << i;
+            for (unsigned i = 0; i < kTileSize; ++i) sky |= unsigned(instance[i] == farfield::kSkyInstance) << i;
             misses += std::uint64_t(std::popcount(sky & request.rows[row]));
         }
     return misses;
+}
+
+shading::ShadeSettings shade_settings(const FramePlan& plan) {
+    return {.prelit_beyond_m = plan.prelit_beyond_m};
+}
+
+/// Fills the map ahead where the plan says so, then answers from it what it can; the rest is left in history.requests.
+void look_up_panorama(const FramePlan& plan, const Tools& tools, FrameHistory& history, shading::Image& image,
+                      FrameStats& stats) {
+    if (!history.panorama) {
+        const int size = farfield::Panorama::face_size_for(plan.view);
+        history.panorama = std::make_unique<farfield::Panorama>(farfield::PanoramaSettings{.face_size = size});
+        history.panorama_colors.resize(size, 6 * size);
+    }
+    farfield::Panorama& panorama = *history.panorama;
+    farfield::PanoramaLimits limits{.max_parallax_px = plan.max_parallax_px, .ray_budget = plan.ray_budget};
+    {
+        const TimedPass timed(stats, Pass::panorama);
+        panorama.begin_frame(plan.view.position);
+    }
+    if (plan.fill_panorama) {
+        {
+            const TimedPass timed(stats, Pass::panorama);
+            limits.ray_budget -= panorama.plan_fill(plan.view, history.wanted, limits);
+        }
+        for (int face = 0; face < 6; ++face) {
+            const auto texels = panorama.fill_requests(face);
+            if (texels.empty()) continue;
+            const PinholeView view = panorama.face_view(face);
+            {
+                const TimedPass timed(stats, Pass::cast);
+                stats.rays += tools.casters.get(plan.caster).cast_tiles(view, texels, panorama.map()).rays;
+            }
+            {
+                const TimedPass timed(stats, Pass::shade);
+                stats.shaded_pixels += shading::shade_tiles(tools.scene, {}, view, panorama.map(), texels,
+                                                            shade_settings(plan), history.panorama_colors);
+            }
+            const TimedPass timed(stats, Pass::store);
+            panorama.commit_fill(face, history.panorama_colors.pixels, history.panorama_colors.stride);
+        }
+    }
+    const TimedPass timed(stats, Pass::panorama);
+    const farfield::PanoramaTarget target{.colors = image.pixels.data(), .color_stride = image.stride};
+    const farfield::PanoramaStats found = panorama.lookup(plan.view, history.wanted, limits, target, history.requests);
+    stats.pixels.panorama = found.reused + found.stale + found.unanswered;
+    stats.pixels.stale = found.stale + found.unanswered;
+    stats.parallax_p99_px = found.parallax_p99_px;
+    stats.parallax_max_px = found.parallax_max_px;
 }
 
 }  // namespace
@@ -101,7 +163,6 @@ FrameStats run_passes(const FramePlan& plan, const Tools& tools, FrameHistory& h
     const Stopwatch frame_watch;
     farfield::VisibilityBuffer& visibility = history.visibility;
     SourceMasks& sources = history.sources;
-    const shading::ShadeSettings shade_settings{.prelit_beyond_m = plan.prelit_beyond_m};
     for (PixelMask* mask : {&sources.near_field, &sources.sky, &sources.panorama, &sources.cast})
         mask->reset(plan.view.width, plan.view.height);
 
@@ -114,25 +175,42 @@ FrameStats run_passes(const FramePlan& plan, const Tools& tools, FrameHistory& h
         mark_sky(sources.sky, visibility);
     }
 
+    const PixelMask* const cheaper[] = {&sources.near_field, &sources.sky};
+    collect_requests(history.all_tiles, cheaper, history.wanted);
+
+    // Panorama: pixels whose cached texel still looks right from here.
+    image.resize(plan.view.width, plan.view.height);
+    std::vector<TileRequest>* casts = &history.wanted;
+    if (plan.look_up_panorama) {
+        look_up_panorama(plan, tools, history, image, stats);
+        casts = &history.requests;
+    }
+    subtract(history.wanted, *casts, sources.panorama);
+    mark(*casts, sources.cast);
+
     // Casts: everything that nothing cheaper has answered.
     {
         const TimedPass timed(stats, Pass::cast);
-        const PixelMask* const answered[] = {&sources.near_field, &sources.sky, &sources.panorama};
-        const std::uint64_t pixels = collect_requests(history.all_tiles, answered, history.requests, sources.cast);
-        const farfield::CastCost cost =
-            tools.casters.get(plan.caster).cast_tiles(plan.view, history.requests, visibility);
-        stats.rays = cost.rays;
-        stats.nodes_visited = cost.nodes;
-        stats.triangles_tested = cost.triangles;
-        stats.pixels.cast_miss = count_misses(history.requests, visibility);
+        const CastCost cost = tools.casters.get(plan.caster).cast_tiles(plan.view, *casts, visibility);
+        stats.rays += cost.rays;
+        stats.nodes_visited += cost.nodes;
+        stats.triangles_tested += cost.triangles;
+        const std::uint64_t pixels = sources.cast.count();
+        stats.pixels.cast_miss = count_misses(*casts, visibility);
         stats.pixels.cast_hit = pixels - stats.pixels.cast_miss;
     }
 
     // Shading: each pixel once, whoever found it.
     {
         const TimedPass timed(stats, Pass::shade);
-        stats.shaded_pixels = shading::shade_tiles(tools.scene, plan.dynamic, plan.view, visibility, history.all_tiles,
-                                                   shade_settings, image);
+        const PixelMask* const coloured[] = {&sources.panorama};
+        collect_requests(history.all_tiles, coloured, history.to_shade);
+        stats.shaded_pixels += shading::shade_tiles(tools.scene, plan.dynamic, plan.view, visibility, history.to_shade,
+                                                    shade_settings(plan), image);
+    }
+    if (plan.look_up_panorama && !plan.fill_panorama) {
+        const TimedPass timed(stats, Pass::store);
+        history.panorama->store(plan.view, *casts, visibility, image.pixels, image.stride);
     }
 
     stats.near_m = plan.near_m;

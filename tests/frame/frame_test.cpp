@@ -1,0 +1,108 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "engine/core/jobs.h"
+#include "engine/frame/renderer.h"
+#include "tests/support/worlds.h"
+
+namespace ff::frame {
+namespace {
+
+constexpr int kWidth = 200, kHeight = 150;  // neither is a multiple of a tile
+
+double psnr_db(const shading::Image& a, const shading::Image& b) {
+    double squares = 0;
+    for (int y = 0; y < a.height; ++y)
+        for (int x = 0; x < a.width; ++x)
+            for (int shift = 0; shift < 24; shift += 8) {
+                const std::size_t i = std::size_t(y) * std::size_t(a.stride) + std::size_t(x);
+                const double d = double((a.pixels[i] >> shift) & 255) - double((b.pixels[i] >> shift) & 255);
+                squares += d * d;
+            }
+    return 10.0 * std::log10(255.0 * 255.0 * 3.0 * a.width * a.height / std::max(squares, 1e-9));
+}
+
+class FrameTest : public testing::Test {
+  protected:
+    FrameTest() : data(test::make_city({.cells = 4})), scene(data.view()), casters(scene) {}
+
+    scene::SceneData data;
+    scene::StaticScene scene;
+    Casters casters;
+};
+
+Camera street_camera(double yaw) {
+    return {.position = {0.0, 1.7, 0.0}, .yaw = yaw};
+}
+
+TEST_F(FrameTest, sources_of_pixels_add_up_to_the_image) {
+    Renderer renderer(scene, casters, nullptr, kWidth, kHeight);
+    shading::Image image;
+    for (int f = 0; f < 12; ++f) {
+        const FrameStats& stats = renderer.draw(street_camera(0.05 * std::min(f, 6)), {}, {.fixed_near_m = 0.0}, image);
+        EXPECT_EQ(stats.pixels.near_field + stats.pixels.sky + stats.pixels.panorama + stats.pixels.cast_hit +
+                      stats.pixels.cast_miss,
+                  std::uint64_t(kWidth * kHeight))
+            << "frame " << f;
+    }
+}
+
+TEST_F(FrameTest, a_walking_hybrid_draws_what_raycast_draws) {
+    Renderer hybrid(scene, casters, nullptr, kWidth, kHeight);
+    Renderer raycast(scene, casters, nullptr, kWidth, kHeight);
+    shading::Image image, reference;
+    for (int f = 0; f < 20; ++f) {
+        Camera camera = street_camera(0.3 + 0.01 * f);
+        camera.position.z -= 0.05 * f;
+        hybrid.draw(camera, {}, {.fixed_near_m = 0.0}, image);
+        raycast.draw(camera, {}, {.mode = Mode::raycast}, reference);
+        EXPECT_GE(psnr_db(image, reference), 32.0) << "frame " << f;
+    }
+}
+
+TEST_F(FrameTest, a_turning_hybrid_reuses_most_pixels_and_stays_close_to_raycast) {
+    Renderer hybrid(scene, casters, nullptr, kWidth, kHeight);
+    Renderer raycast(scene, casters, nullptr, kWidth, kHeight);
+    shading::Image image, reference;
+    for (int f = 0; f < 20; ++f) {
+        const Camera camera = street_camera(0.3 + 0.02 * f);
+        const FrameStats& stats = hybrid.draw(camera, {}, {.fixed_near_m = 0.0}, image);
+        if (f >= 5) {
+            EXPECT_GE(stats.pixels.panorama + stats.pixels.sky, stats.pixels.cast_hit) << "frame " << f;
+        }
+        raycast.draw(camera, {}, {.mode = Mode::raycast}, reference);
+        EXPECT_GE(psnr_db(image, reference), 32.0) << "frame " << f;
+    }
+}
+
+TEST_F(FrameTest, deterministic_frames_are_the_same_for_one_and_two_workers) {
+    std::vector<std::vector<std::uint32_t>> images;
+    for (const int workers : {1, 2}) {
+        const WorkerLimit limit(workers);
+        Renderer renderer(scene, casters, nullptr, kWidth, kHeight);
+        shading::Image image;
+        for (int f = 0; f < 10; ++f)
+            renderer.draw(street_camera(0.02 * f), {}, {.fixed_near_m = 0.0, .deterministic = true}, image);
+        images.push_back(image.pixels);
+    }
+    EXPECT_EQ(images[0], images[1]);
+}
+
+TEST_F(FrameTest, no_budget_however_small_leaves_a_pixel_without_colour) {
+    Renderer renderer(scene, casters, nullptr, kWidth, kHeight);
+    shading::Image image;
+    for (int f = 0; f < 30; ++f) {
+        Camera camera = street_camera(0.0);
+        camera.position.x += 0.2 * f;
+        renderer.draw(camera, {}, {.budget_ms = 0.05, .fixed_near_m = 0.0}, image);
+    }
+    for (int y = 0; y < kHeight; ++y)
+        for (int x = 0; x < kWidth; ++x)
+            ASSERT_NE(image.pixels[std::size_t(y) * std::size_t(image.stride) + std::size_t(x)] & 0xFFFFFFu, 0u)
+                << x << ", " << y;
+}
+
+}  // namespace
+}  // namespace ff::frame

@@ -1,0 +1,69 @@
+#include "engine/frame/plan.h"
+
+#include <gtest/gtest.h>
+
+#include "engine/frame/history.h"
+#include "tests/support/worlds.h"
+
+namespace ff::frame {
+namespace {
+
+FramePlan plan_of(const FrameSettings& settings, int frames_at_rest) {
+    const scene::SceneData data = test::make_city({.cells = 2});
+    const scene::StaticScene scene = data.view();
+    FrameHistory history;
+    history.reset(64, 48);
+    FramePlan plan;
+    for (int f = 0; f <= frames_at_rest; ++f) {
+        plan_frame(scene, {}, {.position = {0, 2, 0}}, 64, 48, settings, history, plan);
+        history.has_frame = true;
+        history.last_view = plan.view;
+        ++history.frame_number;
+    }
+    return plan;
+}
+
+TEST(Plan, a_first_hybrid_frame_casts_everything_below_the_horizon) {
+    EXPECT_EQ(to_text(plan_of({.fixed_near_m = 0.0}, 0)),
+              "mode hybrid\n"
+              "near field none, 0 m\n"
+              "horizon traced, every 1 azimuths\n"
+              "panorama not used, up to 0.5 px\n"
+              "rays as many as needed by beam\n");
+}
+
+TEST(Plan, a_viewer_who_rests_gets_the_panorama_filled_ahead) {
+    EXPECT_EQ(to_text(plan_of({.fixed_near_m = 0.0}, 4)),
+              "mode hybrid\n"
+              "near field none, 0 m\n"
+              "horizon traced, every 1 azimuths\n"
+              "panorama looked up and filled ahead, up to 0.5 px\n"
+              "rays as many as needed by beam\n");
+}
+
+TEST(Plan, raycast_uses_nothing_but_embree) {
+    EXPECT_EQ(to_text(plan_of({.mode = Mode::raycast}, 4)),
+              "mode raycast\n"
+              "near field none, 0 m\n"
+              "horizon off, every 1 azimuths\n"
+              "panorama not used, up to 0.5 px\n"
+              "rays as many as needed by embree\n");
+}
+
+TEST(Plan, raster_draws_everything_through_opengl) {
+    EXPECT_EQ(to_text(plan_of({.mode = Mode::raster}, 0)),
+              "mode raster\n"
+              "near field rasterised, inf m\n"
+              "horizon off, every 1 azimuths\n"
+              "panorama not used, up to 0.5 px\n"
+              "rays as many as needed by beam\n");
+}
+
+TEST(Plan, a_fixed_near_distance_is_kept) {
+    const FramePlan plan = plan_of({.fixed_near_m = 75.0}, 4);
+    EXPECT_TRUE(plan.rasterise);
+    EXPECT_EQ(plan.near_m, 75.0);
+}
+
+}  // namespace
+}  // namespace ff::frame
