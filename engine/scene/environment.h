@@ -9,9 +9,9 @@ namespace ff::scene {
 
 /// Sun, sky and air, as shading reads them.
 struct Environment {
-    Vec3 to_sun{0.45f, 0.62f, 0.64f};      ///< unit, world
-    Vec3 sun_radiance{1.0f};               ///< linear RGB; times cos and albedo gives the lit colour
-    Vec3 sky_zenith{0.20f, 0.42f, 0.80f};  ///< linear RGB
+    Vec3 to_sun{0.45f, 0.62f, 0.64f};        ///< unit, world
+    Vec3 sun_radiance{1.14f, 1.05f, 0.91f};  ///< linear RGB; times cos and albedo gives the lit colour
+    Vec3 sky_zenith{0.20f, 0.42f, 0.80f};    ///< linear RGB
     Vec3 sky_horizon{0.70f, 0.80f, 0.90f};
     Vec3 ground_bounce{0.18f, 0.16f, 0.13f};  ///< light from below
     float fog_density_per_m = 0.0f;           ///< 0: none; colour is the horizon's

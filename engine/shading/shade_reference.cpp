@@ -80,7 +80,7 @@ SeenTriangle see(const StaticScene& scene, const scene::Instance& instance, std:
     return seen;
 }
 
-/// uv^2 that a pixel's ray cone covers on the triangle.
+/// uv^2 that a pixel's ray cone covers on the triangle; its long axis shortened, see README.md.
 double footprint_of(const SeenTriangle& seen, const DVec3& direction, double pixel_angle) {
     const DVec2 a = seen.corner[1]->uv - seen.corner[0]->uv, b = seen.corner[2]->uv - seen.corner[0]->uv;
     const double area = std::max(glm::length(glm::cross(seen.p[1] - seen.p[0], seen.p[2] - seen.p[0])), 1e-30);
@@ -88,7 +88,7 @@ double footprint_of(const SeenTriangle& seen, const DVec3& direction, double pix
     const double depth = seen.plane / seen.slope;
     const double cosine = seen.slope / glm::length(direction);
     const double width = depth * pixel_angle / cosine;
-    return width * width * density;
+    return width * width * density * std::sqrt(std::abs(seen.slope));
 }
 
 double lod_of(const scene::Texture& texture, double footprint) {

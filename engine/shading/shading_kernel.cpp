@@ -162,7 +162,9 @@ HWY_INLINE Rgb shade_surface(const ShadeFrame& frame, const Records<kOneTriangle
         u = records.interpolated(kRowU, b1, b2);
         v = records.interpolated(kRowV, b1, b2);
         const VF inverse2 = hn::Mul(inverse, inverse);
-        footprint = hn::Mul(hn::Mul(records.row(kRowFootprint), rays.length_squared), hn::Mul(inverse2, inverse2));
+        // Between the cone's long axis (S^-4, blurs walls seen along a street) and its area (S^-3, shimmers there).
+        footprint = hn::Mul(hn::Mul(records.row(kRowFootprint), rays.length_squared),
+                            hn::Mul(hn::Mul(inverse2, inverse2), hn::Sqrt(hn::Abs(safe))));
     }
     if (bits & kLaneTextured) {
         const Rgb texel = decode_srgb(

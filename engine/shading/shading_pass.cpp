@@ -1,6 +1,7 @@
 #include "engine/shading/shading_pass.h"
 
 #include <atomic>
+#include <cmath>
 
 #include "engine/core/check.h"
 #include "engine/core/jobs.h"
@@ -29,6 +30,8 @@ std::uint64_t shade_tiles(const scene::StaticScene& scene, std::span<const scene
              view.width, view.height, visibility.stride);
     FF_CHECK(visibility.width == view.width && visibility.height == view.height, "visibility {}x{} for a view of {}x{}",
              visibility.width, visibility.height, view.width, view.height);
+    FF_CHECK(std::isinf(settings.prelit_beyond_m) || !scene.prelit_colors.empty(),
+             "prelit beyond {} m, but the scene has no prelit colours", settings.prelit_beyond_m);
     const ShadeFrame frame{
         scene, dynamic, view, visibility, settings, make_uniforms(scene.environment, view.pixel_angle()), out};
     std::atomic<std::uint64_t> pixels{0};

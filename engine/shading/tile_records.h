@@ -21,7 +21,7 @@ enum Row : int {
     kRowU = 9,             ///< texture u at corner 0, and its change to corners 1 and 2
     kRowV = 12,            //
     kRowColor = 15,        ///< RGB factor: material, times vertex colour if constant, times light if constant
-    kRowFootprint = 18,    ///< uv area a pixel covers = this * (1 + u^2 + v^2) / S^4
+    kRowFootprint = 18,    ///< uv area a pixel covers = this * (1 + u^2 + v^2) / |S|^3.5
     kRowInfo = 19,         ///< int: texture_info of the base colour, and the lane bits below
     kRowTexture = 20,      ///< int: its first texel
     kRowEmissive = 21,     ///< RGB
