@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <glm/geometric.hpp>
 #include <optional>
 
 #include "engine/core/jobs.h"
@@ -57,14 +58,28 @@ DBox3 bounds_of(const scene::MeshSource& mesh, const ModelPart& part) {
     return box;
 }
 
+// A mesh squeezed into a plane by its node: baked, as no instance may be singular.
+scene::MeshSource flattened(const scene::MeshSource& mesh, const DMat3& m) {
+    scene::MeshSource flat = mesh;
+    // Normals go by the cofactor matrix, which is there for singular matrices too.
+    const DMat3 cofactors(glm::cross(m[1], m[2]), glm::cross(m[2], m[0]), glm::cross(m[0], m[1]));
+    for (std::size_t i = 0; i < flat.positions.size(); ++i) {
+        flat.positions[i] = Vec3(m * DVec3(mesh.positions[i]));
+        DVec3 normal = cofactors * DVec3(scene::decode_normal(mesh.attributes[i].normal_oct));
+        if (!(glm::length(normal) > 0.0)) normal = cofactors[0] + cofactors[1] + cofactors[2];
+        if (glm::length(normal) > 0.0)
+            scene::encode_normal(Vec3(glm::normalize(normal)), flat.attributes[i].normal_oct);
+    }
+    return flat;
+}
+
 std::uint32_t moved_texture(std::uint32_t texture, std::uint32_t first) {
     return texture == scene::kNoTexture ? texture : texture + first;
 }
 
 // Everything has been read; from here on nothing fails except for room.
 Result<Model> append(const GltfFile& file, ImportedMaterials imported, std::vector<scene::MeshSource> meshes,
-                     const std::vector<std::size_t>& gltf_meshes, const std::vector<NodeInstance>& nodes,
-                     WorldSource& into) {
+                     std::vector<std::size_t> gltf_meshes, const std::vector<NodeInstance>& nodes, WorldSource& into) {
     const std::vector<MaterialUse> use = material_use(meshes, imported.materials.size());
     drop_needless_alpha(imported, use);
 
@@ -89,20 +104,25 @@ Result<Model> append(const GltfFile& file, ImportedMaterials imported, std::vect
     Model model;
     model.name = std::filesystem::path(file.name).stem().string();
     const auto first_mesh = static_cast<std::uint32_t>(into.meshes.size());
-    std::vector<std::uint32_t> uses(meshes.size(), 0);
+    const auto distinct_count = static_cast<std::ptrdiff_t>(gltf_meshes.size());  // flattened ones follow
     for (const NodeInstance& node : nodes) {
-        const auto slot = static_cast<std::size_t>(std::lower_bound(gltf_meshes.begin(), gltf_meshes.end(), node.mesh) -
-                                                   gltf_meshes.begin());
-        const scene::MeshSource& mesh = meshes[slot];
-        if (mesh.triangle_materials.empty()) continue;
-        ModelPart part{.mesh = first_mesh + static_cast<std::uint32_t>(slot),
-                       .position = node.position,
-                       .model_from_mesh = node.model_from_mesh};
-        model.bounds.add(bounds_of(mesh, part));
-        model.triangle_count += mesh.triangle_materials.size();
-        ++uses[slot];
+        const auto found = std::lower_bound(gltf_meshes.begin(), gltf_meshes.begin() + distinct_count, node.mesh);
+        auto slot = static_cast<std::size_t>(found - gltf_meshes.begin());
+        if (meshes[slot].triangle_materials.empty()) continue;
+        ModelPart part{.position = node.position, .model_from_mesh = node.model_from_mesh};
+        if (node.is_flat) {
+            meshes.push_back(flattened(meshes[slot], node.model_from_mesh));
+            gltf_meshes.push_back(node.mesh);
+            slot = meshes.size() - 1;
+            part.model_from_mesh = DMat3(1.0);
+        }
+        part.mesh = first_mesh + static_cast<std::uint32_t>(slot);
+        model.bounds.add(bounds_of(meshes[slot], part));
+        model.triangle_count += meshes[slot].triangle_materials.size();
         model.parts.push_back(part);
     }
+    std::vector<std::uint32_t> uses(meshes.size(), 0);
+    for (const ModelPart& part : model.parts) ++uses[part.mesh - first_mesh];
     for (ModelPart& part : model.parts) part.use_count = uses[part.mesh - first_mesh];
 
     for (std::size_t i = 0; i < meshes.size(); ++i) {

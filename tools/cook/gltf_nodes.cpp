@@ -44,14 +44,21 @@ Affine local_transform(const tinygltf::Node& node) {
     return local;
 }
 
-bool is_regular(const Affine& transform) {
-    const double determinant = glm::determinant(transform.linear);
-    bool finite = std::isfinite(determinant);
-    for (int i = 0; i < 3; ++i) finite = finite && std::isfinite(transform.translation[i]);
+/// Dimensions that are left of space after a transform, as far as it matters: 3, 2 (flat), or 0 for less.
+int rank_of(const Affine& transform) {
+    const DMat3& m = transform.linear;
+    const double determinant = glm::determinant(m);
+    for (int i = 0; i < 3; ++i)
+        if (!std::isfinite(transform.translation[i]) || !std::isfinite(glm::length(m[i]))) return 0;
     // Against the size of its columns: a model in micrometres is not singular.
-    const double size =
-        glm::length(transform.linear[0]) * glm::length(transform.linear[1]) * glm::length(transform.linear[2]);
-    return finite && size > 1e-30 && std::abs(determinant) > 1e-9 * size;
+    const double size = glm::length(m[0]) * glm::length(m[1]) * glm::length(m[2]);
+    if (size > 1e-30 && std::abs(determinant) > 1e-9 * size) return 3;
+    for (int i = 0; i < 3; ++i) {
+        const DVec3 &a = m[i], &b = m[(i + 1) % 3];
+        const double area = glm::length(a) * glm::length(b);
+        if (area > 1e-20 && glm::length(glm::cross(a, b)) > 1e-9 * area) return 2;
+    }
+    return 0;
 }
 
 // The transforms of EXT_mesh_gpu_instancing; one identity where a node has none.
@@ -126,8 +133,9 @@ Result<std::vector<NodeInstance>> flatten_nodes(const GltfData& data) {
             FF_ASSIGN(const std::vector<Affine> instances, instances_of(data, index));
             for (const Affine& instance : instances) {
                 const Affine placed = transform * instance;
-                if (is_regular(placed))
-                    flat.push_back({static_cast<std::size_t>(node.mesh), placed.translation, placed.linear});
+                const int rank = rank_of(placed);
+                if (rank > 0)
+                    flat.push_back({static_cast<std::size_t>(node.mesh), placed.translation, placed.linear, rank == 2});
             }
         }
         for (auto child = node.children.rbegin(); child != node.children.rend(); ++child)
