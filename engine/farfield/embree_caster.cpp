@@ -57,9 +57,10 @@ class EmbreeCaster final : public RayCaster {
   private:
     void attach_direct(const StaticScene& scene, std::uint32_t instance_id);
     void attach_instances(const StaticScene& scene, std::uint32_t mesh_id, std::span<const std::uint32_t> instances);
-    void set_alpha_filter(RTCGeometry geometry, const StaticScene& scene, std::uint32_t mesh_id);
+    void set_alpha_filter(RTCGeometry geometry, std::uint32_t mesh_id);
 
-    WorldPos origin_;
+    StaticScene scene_;  ///< spans of the caller's arrays, which outlive the caster
+    const WorldPos origin_;
     RTCSceneFlags scene_flags_ = RTC_SCENE_FLAG_NONE;
     RTCDevice device_ = nullptr;
     RTCScene top_ = nullptr;
@@ -68,11 +69,10 @@ class EmbreeCaster final : public RayCaster {
     std::uint64_t own_bytes_ = 0;
     double build_seconds_ = 0.0;
     std::vector<std::vector<Vec3>> moved_vertices_;  ///< of direct meshes, relative to origin_
-    embree::AlphaScene alpha_scene_;
-    std::vector<std::unique_ptr<embree::AlphaMesh>> alpha_meshes_;
 };
 
-EmbreeCaster::EmbreeCaster(const StaticScene& scene, const EmbreeOptions& options) : origin_(scene.origin) {
+EmbreeCaster::EmbreeCaster(const StaticScene& scene, const EmbreeOptions& options)
+    : scene_(scene), origin_(scene.origin) {
     const Stopwatch watch;
     if (options.robust) scene_flags_ = RTCSceneFlags(scene_flags_ | RTC_SCENE_FLAG_ROBUST);
     if (options.compact) scene_flags_ = RTCSceneFlags(scene_flags_ | RTC_SCENE_FLAG_COMPACT);
@@ -87,7 +87,6 @@ EmbreeCaster::EmbreeCaster(const StaticScene& scene, const EmbreeOptions& option
 
     top_ = rtcNewScene(device_);
     rtcSetSceneFlags(top_, scene_flags_);
-    alpha_scene_ = {scene};
 
     // Which instances each mesh has, in the order of their ids.
     std::vector<std::uint32_t> first(scene.meshes.size() + 1, 0);
@@ -114,11 +113,10 @@ EmbreeCaster::~EmbreeCaster() {
     rtcReleaseDevice(device_);
 }
 
-void EmbreeCaster::set_alpha_filter(RTCGeometry geometry, const StaticScene& scene, std::uint32_t mesh_id) {
+void EmbreeCaster::set_alpha_filter(RTCGeometry geometry, std::uint32_t mesh_id) {
     constexpr std::uint32_t kSeeThrough = scene::kMaterialAlphaMask | scene::kMaterialBlend;
-    if ((scene.meshes[mesh_id].material_flags & kSeeThrough) == 0) return;
-    alpha_meshes_.push_back(std::make_unique<embree::AlphaMesh>(embree::AlphaMesh{&alpha_scene_, mesh_id}));
-    rtcSetGeometryUserData(geometry, alpha_meshes_.back().get());
+    if ((scene_.meshes[mesh_id].material_flags & kSeeThrough) == 0) return;
+    rtcSetGeometryUserData(geometry, &scene_);
     rtcSetGeometryIntersectFilterFunction(geometry, embree::filter_see_through);
 }
 
@@ -142,7 +140,7 @@ void EmbreeCaster::attach_direct(const StaticScene& scene, std::uint32_t instanc
                                           &scene.indices[3 * std::size_t(mesh.first_triangle)], mesh.triangle_count);
     rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, moved_vertices_.back().data(), 0,
                                sizeof(Vec3), mesh.vertex_count);
-    set_alpha_filter(geometry, scene, instance.mesh);
+    set_alpha_filter(geometry, instance.mesh);
     rtcCommitGeometry(geometry);
     rtcAttachGeometryByID(top_, geometry, instance_id);
     rtcReleaseGeometry(geometry);
@@ -165,7 +163,7 @@ void EmbreeCaster::attach_instances(const StaticScene& scene, std::uint32_t mesh
     }
     rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, vertices, 0, sizeof(Vec3),
                                mesh.vertex_count);
-    set_alpha_filter(geometry, scene, mesh_id);
+    set_alpha_filter(geometry, mesh_id);
     rtcCommitGeometry(geometry);
     rtcAttachGeometry(sub, geometry);
     rtcReleaseGeometry(geometry);
@@ -200,8 +198,8 @@ CastCost EmbreeCaster::cast_tiles(const PinholeView& view, std::span<const TileR
 CastCost EmbreeCaster::cast_rays(std::span<const Ray> rays, std::span<RayHit> hits) {
     FF_CHECK(hits.size() >= rays.size(), "{} rays, room for {} hits", rays.size(), hits.size());
     parallel_ranges(rays.size(), kRaysPerTask, [&](std::size_t begin, std::size_t end) {
-        RTCIntersectContext context;
-        rtcInitIntersectContext(&context);
+        embree::CastContext cast;
+        rtcInitIntersectContext(&cast.context);
         for (std::size_t i = begin; i < end; ++i) {
             const Vec3 origin(rays[i].origin - origin_);
             const Vec3& direction = rays[i].direction;
@@ -217,7 +215,7 @@ CastCost EmbreeCaster::cast_rays(std::span<const Ray> rays, std::span<RayHit> hi
             ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
             ray.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
             const float sum = origin.x + origin.y + origin.z + direction.x + direction.y + direction.z;
-            if (std::isfinite(sum)) rtcIntersect1(top_, &context, &ray);
+            if (std::isfinite(sum)) rtcIntersect1(top_, &cast.context, &ray);
             const bool is_direct = ray.hit.instID[0] == RTC_INVALID_GEOMETRY_ID;
             hits[i] = {is_direct ? ray.hit.geomID : ray.hit.instID[0], ray.hit.primID, ray.ray.tfar};
         }

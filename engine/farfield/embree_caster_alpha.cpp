@@ -1,36 +1,30 @@
 #include "engine/farfield/embree_caster_alpha.h"
 
-#include <cmath>
+#include "engine/farfield/alpha_test.h"
 
 namespace ff::farfield::embree {
-namespace {
-bool is_opaque_at(const scene::StaticScene& scene, const scene::Mesh& mesh, std::uint32_t triangle, float u, float v) {
-    const std::size_t t = std::size_t(mesh.first_triangle) + triangle;
-    const scene::Material& material = scene.materials[scene.triangle_materials[t]];
-    if ((material.flags & (scene::kMaterialAlphaMask | scene::kMaterialBlend)) == 0) return true;
-    if (material.base_color_texture == scene::kNoTexture) return material.base_color.a >= material.alpha_cutoff;
-    const std::uint32_t* corners = &scene.indices[3 * t];
-    const Vec2 a = scene.attributes[mesh.first_vertex + corners[0]].uv;
-    const Vec2 b = scene.attributes[mesh.first_vertex + corners[1]].uv;
-    const Vec2 c = scene.attributes[mesh.first_vertex + corners[2]].uv;
-    const Vec2 uv = a * (1.0f - u - v) + b * u + c * v;
-    const scene::Texture& texture = scene.textures[material.base_color_texture];
-    const auto x = std::uint32_t(std::int64_t(std::floor(uv.x * float(texture.width)))) & (texture.width - 1);
-    const auto y = std::uint32_t(std::int64_t(std::floor(uv.y * float(texture.height)))) & (texture.height - 1);
-    const std::uint32_t texel = scene.texels[texture.first_texel + std::size_t(y) * texture.width + x];
-    return float(texel >> 24) * (material.base_color.a / 255.0f) >= material.alpha_cutoff;
-}
-}  // namespace
 
 void filter_see_through(const RTCFilterFunctionNArguments* arguments) {
-    const auto& mesh_of = *static_cast<const AlphaMesh*>(arguments->geometryUserPtr);
-    const scene::StaticScene& scene = mesh_of.owner->scene;
-    const scene::Mesh& mesh = scene.meshes[mesh_of.mesh];
+    const auto& scene = *static_cast<const scene::StaticScene*>(arguments->geometryUserPtr);
+    const float pixel_angle = reinterpret_cast<const CastContext*>(arguments->context)->pixel_angle;
     const unsigned count = arguments->N;
+    // The lanes of a packet mostly hit the same triangle: it is looked up once.
+    std::uint32_t last_instance = RTC_INVALID_GEOMETRY_ID, last_triangle = 0;
+    AlphaSurface surface;
     for (unsigned lane = 0; lane < count; ++lane) {
         if (arguments->valid[lane] == 0) continue;
-        if (!is_opaque_at(scene, mesh, RTCHitN_primID(arguments->hit, count, lane),
-                          RTCHitN_u(arguments->hit, count, lane), RTCHitN_v(arguments->hit, count, lane)))
+        const std::uint32_t placed = RTCHitN_instID(arguments->hit, count, lane, 0);
+        const std::uint32_t instance =
+            placed == RTC_INVALID_GEOMETRY_ID ? RTCHitN_geomID(arguments->hit, count, lane) : placed;
+        const std::uint32_t triangle = RTCHitN_primID(arguments->hit, count, lane);
+        if (instance != last_instance || triangle != last_triangle) {
+            surface = make_alpha_surface(scene, scene.instances[instance], instance, triangle);
+            last_instance = instance;
+            last_triangle = triangle;
+        }
+        const float footprint_m = pixel_angle * RTCRayN_tfar(arguments->ray, count, lane);
+        if (!is_opaque_at(surface, RTCHitN_u(arguments->hit, count, lane), RTCHitN_v(arguments->hit, count, lane),
+                          footprint_m))
             arguments->valid[lane] = 0;
     }
 }

@@ -3,24 +3,18 @@
 
 #include <embree3/rtcore.h>
 
-#include <cstdint>
-
 #include "engine/scene/static_scene.h"
 
 namespace ff::farfield::embree {
 
-/// What the filter reads of the scene; a copy of the spans, so that it outlives the caller's view.
-struct AlphaScene {
-    scene::StaticScene scene;
+/// What travels with every query: the filter has to know how wide a ray is.
+struct CastContext {
+    RTCIntersectContext context;  ///< first, so that Embree's pointer is ours
+    float pixel_angle = 0.0f;     ///< width of a ray per length; 0 for bare rays
 };
 
-/// User data of an Embree geometry that has see-through triangles.
-struct AlphaMesh {
-    const AlphaScene* owner = nullptr;
-    std::uint32_t mesh = 0;
-};
-
-/// RTCFilterFunctionN: switches off the lanes whose hit lies on a see-through texel.
+/// RTCFilterFunctionN: switches off the lanes whose hit lies on a see-through texel (alpha_test.h). The geometry's
+/// user data is the StaticScene; its attachments are numbered as the scene's instances are.
 void filter_see_through(const RTCFilterFunctionNArguments* arguments);
 
 }  // namespace ff::farfield::embree

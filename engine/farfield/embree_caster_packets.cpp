@@ -1,5 +1,6 @@
 #include "engine/farfield/embree_caster_packets.h"
 
+#include "engine/farfield/embree_caster_alpha.h"
 #include "engine/farfield/tile_regroup.h"
 
 #undef HWY_TARGET_INCLUDE
@@ -34,8 +35,9 @@ template <int kWidth>
 class PacketCaster {
   public:
     explicit PacketCaster(const PacketJob& job) : job_(job) {
-        rtcInitIntersectContext(&context_);
-        context_.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+        rtcInitIntersectContext(&cast_.context);
+        cast_.pixel_angle = job.view->pixel_angle();
+        cast_.context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
         for (int lane = 0; lane < kWidth; ++lane) {
             packet_.ray.org_x[lane] = job.origin.x;
             packet_.ray.org_y[lane] = job.origin.y;
@@ -60,7 +62,7 @@ class PacketCaster {
         if (mask != kAll) {
             for (int lane = 0; lane < kWidth; ++lane) valid_[lane] = -int((mask >> lane) & 1u);
         }
-        RayHitOf<kWidth>::intersect(valid_, job_.scene, &context_, &packet_);
+        RayHitOf<kWidth>::intersect(valid_, job_.scene, &cast_.context, &packet_);
         if (mask == kAll) {
             store_block(x, y);
             return;
@@ -76,7 +78,7 @@ class PacketCaster {
         for (std::size_t lane = 0; lane < kWidth; lane += hn::Lanes(du_))
             aim(lane, hn::Load(du_, pixels.x + lane), hn::Load(du_, pixels.y + lane));
         for (int lane = pixels.count; lane < kWidth; ++lane) valid_[lane] = 0;
-        RayHitOf<kWidth>::intersect(valid_, job_.scene, &context_, &packet_);
+        RayHitOf<kWidth>::intersect(valid_, job_.scene, &cast_.context, &packet_);
         for (int lane = 0; lane < pixels.count; ++lane)
             store_pixel(std::uint32_t(lane), pixels.x[lane], pixels.y[lane]);
         for (int lane = pixels.count; lane < kWidth; ++lane) valid_[lane] = -1;
@@ -139,7 +141,7 @@ class PacketCaster {
     const PacketJob& job_;
     const DF df_{};
     const DU du_{};
-    RTCIntersectContext context_;
+    CastContext cast_;
     alignas(64) typename RayHitOf<kWidth>::Type packet_;
     alignas(64) int valid_[kWidth];
 };

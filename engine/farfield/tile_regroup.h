@@ -37,7 +37,9 @@ struct PixelPacket {
 /// @param block   called as block(x, y, mask): bit i of the mask is the pixel (x + i % 4, y + i / 4); at least
 ///                kMinFill of the kWidth bits are set
 /// @param packet  called as packet(const PixelPacket<kWidth>&), 1 <= count <= kWidth
-template <int kWidth, class BlockFunction, class PacketFunction>
+/// @tparam kPacketBlocks  blocks after which leftovers go as they are, a power of two: a caster that suffers more from
+///                wide packets than from empty lanes keeps them small; 0: never before the end
+template <int kWidth, int kPacketBlocks = 0, class BlockFunction, class PacketFunction>
 void regroup(std::span<const TileRequest> tiles, int width, int height, BlockFunction&& block,
              PacketFunction&& packet) {
     constexpr int kBlockRows = kWidth / 4;
@@ -46,12 +48,24 @@ void regroup(std::span<const TileRequest> tiles, int width, int height, BlockFun
     // even for tiles of one surface, three quarters where surfaces are small.
     constexpr int kMinFill = kWidth * 5 / 8;
     PixelPacket<kWidth> rest;
+    const auto flush = [&] {
+        if (rest.count == 0) return;
+        for (int lane = rest.count; lane < kWidth; ++lane) {
+            rest.x[lane] = rest.x[rest.count - 1];
+            rest.y[lane] = rest.y[rest.count - 1];
+        }
+        packet(rest);
+        rest.count = 0;
+    };
     for (const TileRequest& tile : tiles) {
         std::uint32_t rows[kTileSize];
         std::uint32_t any = 0;
         for (int row = 0; row < kTileSize; ++row) any |= rows[row] = row_inside(tile, row, width, height);
         if (any == 0) continue;
         for (int b = 0; b < kBlocksPerTile; ++b) {
+            if constexpr (kPacketBlocks != 0) {
+                if (b % kPacketBlocks == 0) flush();
+            }
             // De-interleave the block's number: even bits are columns, odd bits rows, what is left over rows.
             const int column = (b & 1) | ((b >> 1) & 2);
             const int block_row = ((b >> 1) & 1) | ((b >> 2) & ~1);
@@ -69,19 +83,11 @@ void regroup(std::span<const TileRequest> tiles, int width, int height, BlockFun
                 const auto bit = std::uint32_t(std::countr_zero(left));
                 rest.x[rest.count] = x + (bit & 3u);
                 rest.y[rest.count] = y + (bit >> 2);
-                if (++rest.count == kWidth) {
-                    packet(rest);
-                    rest.count = 0;
-                }
+                if (++rest.count == kWidth) flush();
             }
         }
     }
-    if (rest.count == 0) return;
-    for (int lane = rest.count; lane < kWidth; ++lane) {
-        rest.x[lane] = rest.x[rest.count - 1];
-        rest.y[lane] = rest.y[rest.count - 1];
-    }
-    packet(rest);
+    flush();
 }
 
 }  // namespace ff::farfield

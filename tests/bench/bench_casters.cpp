@@ -1,4 +1,5 @@
-// One table of all ray casters: build time, memory, and rays a second over whole images, sparse masks, foliage.
+// One table of all ray casters: build time, memory, and rays per second of
+// processor time over whole images, sparse masks, foliage.
 // Usage: bench_casters [cells a side] [terrain quads a cell and side] [workers]
 
 #include <embree3/rtcore.h>
@@ -10,10 +11,10 @@
 #include <vector>
 
 #include "engine/core/jobs.h"
-#include "engine/core/stopwatch.h"
 #include "engine/farfield/embree_caster.h"
 #include "engine/farfield/ray_caster.h"
 #include "tests/bench/bench_world.h"
+#include "tests/bench/cpu_watch.h"
 
 namespace {
 
@@ -62,7 +63,7 @@ double rate(RayCaster& caster, const std::vector<PinholeView>& views, const std:
     std::vector<double> laps;
     std::uint64_t rays = 0;
     for (int lap = 0; lap < kLaps; ++lap) {
-        const Stopwatch watch;
+        const bench::CpuWatch watch;
         rays = 0;
         for (const PinholeView& view : views) rays += caster.cast_tiles(view, tiles, out).rays;
         laps.push_back(watch.seconds());
@@ -138,7 +139,7 @@ class RawEmbree {
                         }
             for (int lap = 0; lap < kLaps; ++lap) {
                 std::vector<Packet> packets = fresh;
-                const Stopwatch watch;
+                const bench::CpuWatch watch;
                 parallel_ranges(packets.size(), 8 * 256 / kLanes, [&](std::size_t begin, std::size_t end) {
                     RTCIntersectContext context;
                     rtcInitIntersectContext(&context);
@@ -219,6 +220,11 @@ int main(int argc, char** argv) {
         const auto caster_masked = make_embree_caster(masked_scene, options);
         print_row(name, *caster, *caster_opaque, *caster_masked);
     };
+    {
+        const auto grid = farfield::make_grid_caster(scene);
+        print_row("regular grid", *grid, *farfield::make_grid_caster(opaque_scene),
+                  *farfield::make_grid_caster(masked_scene));
+    }
     embree_row("Embree 16 robust", {.packet_width = 16});
     embree_row("Embree 8 robust", {.packet_width = 8});
     embree_row("Embree 16 fast", {.packet_width = 16, .robust = false});
