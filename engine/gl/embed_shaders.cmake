@@ -1,6 +1,7 @@
 # cmake -DOUTPUT=FILE.cpp -DSHADERS=a.glsl;b.glsl -P embed_shaders.cmake
 # Writes a C++ file that holds the shaders as they are. #include "x.glsl" is resolved here, once per program text, so
-# that the compiler's line numbers can be brought back to files: each text starts with a #line of its own number.
+# that a program's text is one piece; Program quotes the lines that a compiler complains of.
+cmake_minimum_required(VERSION 3.25)
 
 function(resolve path seen_var text_var)
   file(READ ${path} text)

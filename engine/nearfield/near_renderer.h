@@ -1,0 +1,54 @@
+#pragma once
+// Draws static cells and dynamic objects through OpenGL: as the near field of a hybrid frame (ids and depths into the
+// visibility buffer), or as a whole shaded picture.
+
+#include <cstdint>
+#include <memory>
+
+#include "engine/core/result.h"
+#include "engine/farfield/visibility_buffer.h"
+#include "engine/math/camera.h"
+#include "engine/nearfield/draw_list.h"
+#include "engine/scene/static_scene.h"
+#include "engine/shading/shading_pass.h"
+
+namespace ff::nearfield {
+
+/// Work of one render call, exact and repeatable.
+struct NearStats {
+    std::uint64_t triangles = 0;  ///< sent to OpenGL, instances counted each time
+    std::uint64_t draws = 0;      ///< commands of the multi-draws, and single draws
+    std::uint64_t calls = 0;      ///< draw calls made
+};
+
+/// Threads: all calls on the thread whose OpenGL context was current when it was made.
+class NearRenderer {
+  public:
+    /// Uploads the scene, which must outlive the renderer, and compiles the programs that its materials call for.
+    /// Errors: no room on the GPU; a shader that this driver refuses.
+    static Result<NearRenderer> make(const scene::StaticScene& scene);
+
+    NearRenderer(NearRenderer&&) noexcept;
+    NearRenderer& operator=(NearRenderer&&) noexcept;
+    ~NearRenderer();
+
+    /// Draws the set and writes every pixel of `out` (resized to the view): the nearest triangle's id as the ray
+    /// casters name it, and its depth; kUnresolved and +inf where there is none. Blended triangles are there or not by
+    /// a hash of the pixel, in proportion to their alpha.
+    Status render_ids(const PinholeView& view, const DrawSet& set, farfield::VisibilityBuffer& out, NearStats& stats);
+
+    /// Draws and shades the set, the sky behind it, blended triangles back to front over both; reads the picture back.
+    Status render_shaded(const PinholeView& view, const DrawSet& set, shading::Image& out, NearStats& stats);
+
+    /// Shows an image on the current context's default framebuffer, scaled to `width` x `height` pixels.
+    Status present(const shading::Image& image, int width, int height);
+
+    [[nodiscard]] std::uint64_t memory_bytes() const;
+
+  private:
+    struct Impl;
+    explicit NearRenderer(std::unique_ptr<Impl> impl);
+    std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace ff::nearfield

@@ -1,0 +1,8 @@
+#version 450 core
+#include "view.glsl"
+#include "shading.glsl"
+layout(location = 0) out vec4 color;
+
+void main() {
+    color = vec4(encode_srgb(sky_color(normalize(world_direction(ray_uv(gl_FragCoord.xy))))), 1.0);
+}
