@@ -12,6 +12,7 @@
 #include "engine/core/stopwatch.h"
 #include "engine/farfield/embree_caster_alpha.h"
 #include "engine/farfield/embree_caster_packets.h"
+#include "engine/farfield/tile_regroup.h"
 
 namespace ff::farfield {
 namespace {
@@ -184,9 +185,21 @@ void EmbreeCaster::attach_instances(const StaticScene& scene, std::uint32_t mesh
     rtcReleaseScene(sub);
 }
 
+/// Whether every ray of the view is one that Embree may be given.
+bool is_finite(const PinholeView& view) {
+    double sum = view.position.x + view.position.y + view.position.z;
+    for (int column = 0; column < 3; ++column)
+        for (int row = 0; row < 3; ++row) sum += double(view.world_from_camera[column][row]);
+    return std::isfinite(sum + double(view.u_step + view.u_first + view.v_step + view.v_first));
+}
+
 CastCost EmbreeCaster::cast_tiles(const PinholeView& view, std::span<const TileRequest> tiles, VisibilityBuffer& out) {
     FF_CHECK(out.width >= view.width && out.height >= view.height, "a buffer of {}x{} for a view of {}x{}", out.width,
              out.height, view.width, view.height);
+    if (!is_finite(view)) {
+        for (const TileRequest& tile : tiles) write_sky(view, tile, out);
+        return {.rays = count_pixels(tiles, view.width, view.height)};
+    }
     const embree::PacketJob job{top_, &view, Vec3(view.position - origin_), &out, packet_width_};
     std::atomic<std::uint64_t> rays{0};
     parallel_ranges(tiles.size(), kTilesPerTask, [&](std::size_t begin, std::size_t end) {

@@ -1,5 +1,7 @@
 #include "engine/farfield/tile_regroup.h"
 
+#include <limits>
+
 namespace ff::farfield {
 
 std::uint64_t count_pixels(std::span<const TileRequest> tiles, int width, int height) {
@@ -8,6 +10,16 @@ std::uint64_t count_pixels(std::span<const TileRequest> tiles, int width, int he
         for (int row = 0; row < kTileSize; ++row)
             count += std::uint64_t(std::popcount(row_inside(tile, row, width, height)));
     return count;
+}
+
+void write_sky(const PinholeView& view, const TileRequest& tile, VisibilityBuffer& out) {
+    for (int row = 0; row < kTileSize; ++row)
+        for (std::uint32_t left = row_inside(tile, row, view.width, view.height); left != 0; left &= left - 1) {
+            const std::size_t at = out.index(int(tile.x) + std::countr_zero(left), int(tile.y) + row);
+            out.instance[at] = kSkyInstance;
+            out.triangle[at] = 0;
+            out.depth[at] = std::numeric_limits<float>::infinity();
+        }
 }
 
 }  // namespace ff::farfield

@@ -8,6 +8,7 @@
 #include <span>
 
 #include "engine/farfield/visibility_buffer.h"
+#include "engine/math/camera.h"
 
 namespace ff::farfield {
 
@@ -30,6 +31,9 @@ struct PixelPacket {
 
 /// Number of pixels that the tiles ask for inside the image.
 [[nodiscard]] std::uint64_t count_pixels(std::span<const TileRequest> tiles, int width, int height);
+
+/// Answers the pixels of a tile with sky.
+void write_sky(const PinholeView& view, const TileRequest& tile, VisibilityBuffer& out);
 
 /// Splits tiles into full blocks and packets of leftovers.
 /// Blocks are 4 pixels wide and kWidth / 4 high, and are visited in Z-order within a tile.

@@ -8,7 +8,6 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <ctime>
 #include <string>
 #include <vector>
 
@@ -17,6 +16,7 @@
 #include "engine/farfield/ray_caster.h"
 #include "engine/shading/shading_pass.h"
 #include "tests/bench/bench_world.h"
+#include "tests/bench/cpu_watch.h"
 
 namespace {
 
@@ -60,22 +60,6 @@ void write_ppm(const std::string& path, const shading::Image& image) {
         for (int x = 0; x < image.width; ++x) std::fwrite(&image.pixels[std::size_t(y * image.stride + x)], 1, 3, file);
     std::fclose(file);
 }
-
-/// Processor time of the whole process, milliseconds: what is comparable on a machine that others use too.
-class CpuWatch {
-  public:
-    CpuWatch() : start_(now()) {}
-    void restart() { start_ = now(); }
-    [[nodiscard]] double milliseconds() const { return now() - start_; }
-
-  private:
-    static double now() {
-        timespec t{};
-        clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-        return 1e3 * double(t.tv_sec) + 1e-6 * double(t.tv_nsec);
-    }
-    double start_;
-};
 
 double median(std::vector<double> values) {
     std::sort(values.begin(), values.end());
@@ -123,7 +107,7 @@ void run(const scene::StaticScene& scene, farfield::RayCaster& caster, const cha
     double filled = 0, cast = 0, edges = 0, stale = 0, parallax = 0;
     for (int frame = 0; frame < frames; ++frame) {
         const PinholeView view = make_view(camera_of(frame, frames), kWidth, kHeight);
-        CpuWatch watch;
+        bench::CpuWatch watch;
         caster.cast_tiles(view, tiles, reference_visibility);
         shading::shade_tiles(scene, {}, view, reference_visibility, tiles, {}, reference);
         const double full = watch.milliseconds();
