@@ -1,5 +1,7 @@
 #include "engine/ecs/archetype.h"
 
+#include <sys/mman.h>
+
 #include <algorithm>
 #include <atomic>
 #include <cstring>
@@ -10,6 +12,7 @@
 namespace ff::ecs {
 namespace {
 constexpr std::size_t kChunkAlignment = 64;
+constexpr std::size_t kSlabBytes = 2 * 1024 * 1024;
 
 std::size_t aligned(std::size_t offset) {
     return (offset + kChunkAlignment - 1) / kChunkAlignment * kChunkAlignment;
@@ -55,15 +58,20 @@ Archetype::~Archetype() {
     }
 }
 
-void Archetype::FreeChunk::operator()(std::byte* chunk) const {
-    ::operator delete(chunk, std::align_val_t(kChunkAlignment));
+void Archetype::FreeSlab::operator()(std::byte* slab) const {
+    ::operator delete(slab, std::align_val_t(alignment));
 }
 
 void Archetype::open_chunk() {
     last_chunk_ = std::uint32_t(size_ / capacity_);
     last_free_ = std::uint32_t(size_ % capacity_);
-    if (last_chunk_ == chunks_.size())
-        chunks_.emplace_back(static_cast<std::byte*>(::operator new(kChunkBytes, std::align_val_t(kChunkAlignment))));
+    if (last_chunk_ < chunks_.size()) return;
+    const bool large = chunks_.size() >= kSlabBytes / kChunkBytes;
+    const std::size_t bytes = large ? kSlabBytes : kChunkBytes, alignment = large ? kSlabBytes : kChunkAlignment;
+    auto* const slab = static_cast<std::byte*>(::operator new(bytes, std::align_val_t(alignment)));
+    slabs_.emplace_back(slab, FreeSlab{alignment});
+    if (large) madvise(slab, bytes, MADV_HUGEPAGE);  // advice: works as well without
+    for (std::size_t offset = 0; offset < bytes; offset += kChunkBytes) chunks_.push_back(slab + offset);
 }
 
 Entity Archetype::fill_hole(Row row) {

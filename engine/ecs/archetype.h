@@ -46,13 +46,13 @@ class Archetype {
 
     /// kNoColumn where the archetype does not have the type.
     [[nodiscard]] std::uint8_t column_of(TypeId type) const { return column_of_[type]; }
-    [[nodiscard]] Entity* entities(std::size_t chunk) { return reinterpret_cast<Entity*>(chunks_[chunk].get()); }
+    [[nodiscard]] Entity* entities(std::size_t chunk) { return reinterpret_cast<Entity*>(chunks_[chunk]); }
     /// First element of a column in a chunk.
     [[nodiscard]] std::byte* column(std::size_t chunk, std::uint8_t column) {
-        return chunks_[chunk].get() + offsets_[column];
+        return chunks_[chunk] + offsets_[column];
     }
     [[nodiscard]] std::byte* component(Row row, std::uint8_t column) {
-        return chunks_[row.chunk].get() + offsets_[column] + std::size_t(row.index) * components_[column]->size;
+        return chunks_[row.chunk] + offsets_[column] + std::size_t(row.index) * components_[column]->size;
     }
 
     /// A new last row whose components are raw memory: the caller constructs all of them.
@@ -73,8 +73,9 @@ class Archetype {
     std::vector<std::uint32_t> added_to, removed_to;  ///< [TypeId]
 
   private:
-    struct FreeChunk {
-        void operator()(std::byte* chunk) const;
+    struct FreeSlab {
+        std::size_t alignment;
+        void operator()(std::byte* slab) const;
     };
     void open_chunk();
 
@@ -83,7 +84,10 @@ class Archetype {
     std::uint8_t column_of_[kMaxTypes];
     std::vector<std::uint32_t> offsets_;  ///< bytes from the chunk's start, per column
     std::uint32_t capacity_ = 0;
-    std::vector<std::unique_ptr<std::byte, FreeChunk>> chunks_;  ///< used ones first; kept for reuse
+    std::vector<std::byte*> chunks_;  ///< used ones first; kept for reuse
+    /// What chunks are cut from: the first few alone, the others from slabs of a huge page, which saves a large world
+    /// most of its page faults and address translations.
+    std::vector<std::unique_ptr<std::byte, FreeSlab>> slabs_;
     std::size_t size_ = 0;
     std::uint32_t last_chunk_ = 0, last_free_ = 0;  ///< the chunk being filled and its first free row
 };
