@@ -7,6 +7,7 @@
 #include <cstring>
 #include <utility>
 
+#include "engine/assets/aligned_vector.h"
 #include "engine/assets/pack_format.h"
 #include "engine/assets/pack_generated.h"
 #include "engine/core/check.h"
@@ -76,7 +77,8 @@ Status PackReader::read_header_and_table() {
     if (header.file_bytes != bytes_.size())
         return error_at(std::min<std::uint64_t>(header.file_bytes, bytes_.size()),
                         fmt::format("the file has {} bytes; expected {}", bytes_.size(), header.file_bytes));
-    if (header.table_bytes > kMaxTableBytes || header.table_bytes > bytes_.size() - sizeof header ||
+    if (header.table_bytes == 0 || header.table_bytes > kMaxTableBytes ||
+        header.table_bytes > bytes_.size() - sizeof header ||
         header.table_offset != bytes_.size() - header.table_bytes || header.table_offset % kPackAlignment != 0)
         return error_at(offsetof(PackHeader, table_offset),
                         fmt::format("a table of {} bytes at {}; expected it to end the file of {} bytes, at a "
@@ -121,6 +123,8 @@ Status PackReader::add_chunk(const void* disk_chunk, std::uint64_t& end, std::ui
         chunk.element_count > (kMaxRawBytes - raw_total) / chunk.element_bytes)
         return error_in(chunk, fmt::format("{} elements of {} bytes; a pack holds at most {} bytes in all",
                                            chunk.element_count, chunk.element_bytes, kMaxRawBytes));
+    if (!is_aligned(*source.blocks()))
+        return error_in(chunk, "its blocks are described at an odd place in the table; expected a multiple of 8");
     const std::uint64_t raw_bytes = chunk.raw_bytes();
     raw_total += raw_bytes;
     if (const std::uint64_t blocks = (raw_bytes + kBlockBytes - 1) / kBlockBytes; blocks != chunk.block_count)

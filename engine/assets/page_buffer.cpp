@@ -15,7 +15,6 @@ Result<PageBuffer> PageBuffer::allocate(std::size_t bytes) {
     void* data = ::mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
     if (data == MAP_FAILED)
         return failure(fmt::format("out of memory: {} bytes asked for: {}", bytes, std::strerror(errno)));
-    ::madvise(data, bytes, MADV_HUGEPAGE);  // a wish: without huge pages it is only slower
     buffer.bytes_ = {static_cast<std::byte*>(data), bytes};
     return buffer;
 }

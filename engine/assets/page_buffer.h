@@ -7,8 +7,9 @@
 
 namespace ff::assets {
 
-/// Zeroed memory straight from the system, in huge pages where it has them. Nothing is touched before it is written,
-/// so the threads that fill it share the page faults (with std::vector one thread would clear gigabytes first).
+/// Zeroed memory straight from the system. Nothing is touched before it is written, so the threads that fill it share
+/// the page faults (with std::vector one thread would clear gigabytes first). Ordinary pages: on virtual machines whose
+/// host gives memory only when it is touched, huge pages took up to five times as long to fill for the first time.
 class PageBuffer {
   public:
     /// Errors: failure where the system has no such memory. 0 bytes are an empty buffer.

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "engine/assets/aligned_vector.h"
 #include "engine/core/jobs.h"
 #include "engine/scene/check_world.h"
 #include "engine/scene/disk_records.h"
@@ -203,11 +204,15 @@ class WorldLoader {
         info.spawn_position = from_disk(*table.spawn_position());
         info.spawn_yaw = table.spawn_yaw();
         info.source_bytes = table.source_bytes();
+        if (!assets::is_aligned(*table.dynamic_instances()))
+            return pack_.error_in(chunk, "dynamic instances at an odd place; expected a multiple of 8");
         for (const disk::DynamicInstance* instance : *table.dynamic_instances())
             info.dynamic_instances.push_back(from_disk(*instance));
         // Several entries of a FlatBuffer may point to one table: what it holds in all is held against its size.
         std::uint64_t bytes = 0;
         for (const disk::Walk* stored : *table.walks()) {
+            if (!assets::is_aligned(*stored->frames()))
+                return pack_.error_in(chunk, "a walk's frames at an odd place; expected a multiple of 8");
             bytes += stored->name()->size() + stored->frames()->size() * sizeof(disk::WalkFrame);
             if (bytes > records_.world.size())
                 return pack_.error_in(chunk, fmt::format("walks of more than {} bytes; expected at most the table's {}",

@@ -3,6 +3,7 @@
 #include <cstring>
 #include <span>
 
+#include "engine/assets/aligned_vector.h"
 #include "engine/assets/pack_format.h"
 #include "engine/assets/pack_generated.h"
 #include "engine/core/hash.h"
@@ -19,7 +20,8 @@ void fix_blocks(std::span<std::byte> pack, std::span<std::byte> table) {
     auto* data = reinterpret_cast<std::uint8_t*>(copy.data());
     flatbuffers::Verifier verifier(data, table.size());
     if (!assets::disk::VerifyPackBuffer(verifier)) return;
-    for (const assets::disk::Chunk* chunk : *assets::disk::GetPack(data)->chunks())
+    for (const assets::disk::Chunk* chunk : *assets::disk::GetPack(data)->chunks()) {
+        if (!assets::is_aligned(*chunk->blocks())) continue;
         for (const assets::disk::Block* block : *chunk->blocks()) {
             if (block->offset() > pack.size() || block->stored_bytes() > pack.size() - block->offset()) continue;
             const assets::disk::Block fixed(block->offset(),
@@ -28,6 +30,7 @@ void fix_blocks(std::span<std::byte> pack, std::span<std::byte> table) {
             const auto at = reinterpret_cast<const std::uint8_t*>(block) - data;
             std::memcpy(table.data() + at, &fixed, sizeof fixed);
         }
+    }
 }
 
 }  // namespace
@@ -41,7 +44,7 @@ void fix_hashes(std::vector<std::byte>& pack) {
     header.header_bytes = sizeof header;
     header.reserved = 0;
     header.file_bytes = pack.size();
-    if (header.table_offset >= sizeof header && header.table_offset <= pack.size()) {
+    if (header.table_offset >= sizeof header && header.table_offset < pack.size()) {
         header.table_bytes = pack.size() - header.table_offset;
         const auto table = std::span(pack).subspan(header.table_offset);
         fix_blocks(pack, table);
