@@ -61,9 +61,9 @@ HWY_INLINE Rgb select(MF mask, const Rgb& yes, const Rgb& no) {
     return {hn::IfThenElse(mask, yes.r, no.r), hn::IfThenElse(mask, yes.g, no.g), hn::IfThenElse(mask, yes.b, no.b)};
 }
 
-/// [0, 1]; NaN becomes 0.
+/// [0, 1]. A NaN becomes 0 on x86, whose maximum takes its second operand then.
 HWY_INLINE VF clamp01(VF x) {
-    return hn::Min(hn::IfThenElseZero(hn::Gt(x, hn::Zero(df)), x), splat(1.0f));
+    return hn::Min(hn::Max(x, hn::Zero(df)), splat(1.0f));
 }
 
 HWY_INLINE VF decode_srgb(VF c) {
@@ -84,8 +84,6 @@ HWY_INLINE VI encode_srgb8(VF x) {
     sum = hn::MulAdd(s, sum, splat(255.0f * kEncode[2]));
     sum = hn::MulAdd(s, sum, splat(255.0f * kEncode[1]));
     sum = hn::MulAdd(s, sum, splat(255.0f * kEncode[0]));
-    // Below the linear end the polynomial falls under the line, above it over: the larger is right on both sides
-    // (they differ by less than 0.2/255 where they meet).
     const VF dark = hn::Mul(x, splat(255.0f * 12.92f));
     const VF value = hn::IfThenElse(hn::Lt(x, splat(kEncodeLinearEnd)), dark, sum);
     return hn::ConvertTo(di, hn::Add(value, splat(0.5f)));

@@ -33,12 +33,21 @@ std::int32_t find_or_add(const ShadeFrame& frame, std::uint32_t instance_id, std
     return record_offset(index);
 }
 
+/// 0 if two rows of a tile see the same, pixel by pixel.
+std::uint32_t differing_bits(const std::uint32_t* instance_a, const std::uint32_t* instance_b,
+                             const std::uint32_t* triangle_a, const std::uint32_t* triangle_b) {
+    std::uint32_t bits = 0;
+    for (int i = 0; i < kSize; ++i) bits |= (instance_a[i] ^ instance_b[i]) | (triangle_a[i] ^ triangle_b[i]);
+    return bits;
+}
+
 }  // namespace
 
 void collect_triangles(const ShadeFrame& frame, int x, int y, const std::uint16_t rows[kSize], TileScratch& scratch) {
     scratch.count = 0;
     std::memset(scratch.table, 0, sizeof(scratch.table));
     const farfield::VisibilityBuffer& visibility = frame.visibility;
+    const std::ptrdiff_t stride = visibility.stride;
     bool above_is_whole = false;
     for (int j = 0; j < kSize; ++j) {
         std::int32_t* offset = scratch.offset + j * kSize;
@@ -46,14 +55,13 @@ void collect_triangles(const ShadeFrame& frame, int x, int y, const std::uint16_
         const std::uint32_t* instance = visibility.instance.data() + first;
         const std::uint32_t* triangle = visibility.triangle.data() + first;
         const bool whole = rows[j] == 0xFFFF;
+        const bool copies_above = whole && above_is_whole;
+        above_is_whole = whole;
         // Often the row sees what the row above sees.
-        if (whole && above_is_whole &&
-            std::memcmp(instance, instance - visibility.stride, kSize * sizeof(*instance)) == 0 &&
-            std::memcmp(triangle, triangle - visibility.stride, kSize * sizeof(*triangle)) == 0) {
+        if (copies_above && differing_bits(instance, instance - stride, triangle, triangle - stride) == 0) {
             std::memcpy(offset, offset - kSize, kSize * sizeof(*offset));
             continue;
         }
-        above_is_whole = whole;
         std::uint32_t last_instance = farfield::kSkyInstance, last_triangle = 0;
         std::int32_t last_offset = kSkyOffset;
         for (int i = 0; i < kSize; ++i) {
@@ -62,7 +70,9 @@ void collect_triangles(const ShadeFrame& frame, int x, int y, const std::uint16_
             if (!same && (rows[j] >> i & 1)) {
                 last_instance = instance[i];
                 last_triangle = triangle[i];
-                last_offset = find_or_add(frame, last_instance, last_triangle, scratch);
+                const bool as_above =
+                    copies_above && instance[i - stride] == last_instance && triangle[i - stride] == last_triangle;
+                last_offset = as_above ? offset[i - kSize] : find_or_add(frame, last_instance, last_triangle, scratch);
             }
             offset[i] = last_offset;
         }

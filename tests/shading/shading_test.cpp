@@ -1,12 +1,13 @@
 // The shading pass against its scalar reference, and the promises that it makes to the frame.
 
 #include <gtest/gtest.h>
-#include <hwy/targets.h>
+#include <hwy/highway.h>
 
 #include <cmath>
-#include <cstring>
+#include <functional>
 #include <glm/geometric.hpp>
 #include <limits>
+#include <vector>
 
 #include "engine/core/jobs.h"
 #include "engine/shading/shade_reference.h"
@@ -65,11 +66,35 @@ PinholeView random_view(Random& random, const DBox3& box) {
     return make_view(random_camera(random, box), kWidth, kHeight);
 }
 
+/// Images of one shot with every vector width that this machine has.
+std::vector<Image> images_of_all_targets(const std::function<Image()>& draw) {
+    std::vector<Image> images;
+    const std::int64_t supported = hwy::SupportedTargets();
+    for (const std::int64_t target : {HWY_SSSE3, HWY_SSE4, HWY_AVX2, HWY_AVX3, HWY_AVX3_DL}) {
+        if ((supported & target) == 0) continue;
+        hwy::SetSupportedTargetsForTest(target);
+        images.push_back(draw());
+    }
+    hwy::SetSupportedTargetsForTest(0);
+    return images;
+}
+
+int largest_difference(const Image& a, const Image& b) {
+    int largest = 0;
+    for (int y = 0; y < a.height; ++y)
+        for (int x = 0; x < a.width; ++x) {
+            const std::size_t i = std::size_t(y) * std::size_t(a.stride) + std::size_t(x);
+            for (int k = 0; k < 3; ++k)
+                largest = std::max(largest, std::abs(channel(a.pixels[i], k) - channel(b.pixels[i], k)));
+        }
+    return largest;
+}
+
+// Tolerance: 2/255 a channel, but for one pixel in 10,000 (slivers seen edge on, where float barycentrics are coarse)
+// and pixels within 0.01 of the border between two mip levels.
 TEST(shading, the_fast_pass_equals_the_scalar_reference_in_random_worlds) {
     int compared = 0, large = 0;
-    double max = 0.0;
     for (std::uint32_t seed = 0; seed < 12; ++seed) {
-        SCOPED_TRACE(seed);
         scene::SceneData world = make_material_world(seed, seed % 2 == 0 ? WorldPos(0.0) : WorldPos(4e5, 100, -3e5));
         const scene::StaticScene scene = world.view();
         Random random(1000 + seed);
@@ -77,15 +102,244 @@ TEST(shading, the_fast_pass_equals_the_scalar_reference_in_random_worlds) {
             const PinholeView view = random_view(random, scene.bounds);
             const VisibilityBuffer visibility = cast_view(scene, view);
             const Difference d = compare_with_reference(scene, view, visibility, shade_view(scene, view, visibility));
+            EXPECT_LE(d.large, 20) << "seed " << seed << " view " << i << ", max " << d.max;
             compared += d.compared;
             large += d.large;
-            max = std::max(max, d.max);
         }
     }
-    RecordProperty("max_of_255", std::to_string(max));
-    printf("compared %d large %d max %g\n", compared, large, max);
     EXPECT_GT(compared, 500000);
-    EXPECT_LE(large, compared / 10000);  // slivers seen edge on
+    EXPECT_LE(large, compared / 10000);
+}
+
+TEST(shading, beyond_the_prelit_distance_a_triangle_has_one_colour) {
+    int compared = 0, large = 0;
+    for (std::uint32_t seed = 0; seed < 4; ++seed) {
+        scene::SceneData world = make_material_world(seed);
+        const scene::StaticScene scene = world.view();
+        Random random(seed);
+        const PinholeView view = random_view(random, scene.bounds);
+        const VisibilityBuffer visibility = cast_view(scene, view);
+        for (const float beyond : {0.0f, 10.0f}) {
+            const ShadeSettings settings{.prelit_beyond_m = beyond};
+            const Difference d = compare_with_reference(scene, view, visibility,
+                                                        shade_view(scene, view, visibility, settings), settings);
+            compared += d.compared;
+            large += d.large;
+        }
+    }
+    EXPECT_LE(large, compared / 10000);
+
+    scene::SceneData world = make_postcard();
+    world.environment.fog_density_per_m = 0.0f;
+    const scene::StaticScene scene = world.view();
+    Camera camera;
+    camera.position = {0.0, 30.0, 30.0};
+    const PinholeView view = make_view(camera, kWidth, kHeight);
+    const VisibilityBuffer visibility = cast_view(scene, view);
+    const Image image = shade_view(scene, view, visibility, {.prelit_beyond_m = 0.0f});
+    for (std::size_t i = 1; i < std::size_t(kWidth); ++i)
+        for (int y = 0; y < kHeight; ++y) {
+            const std::size_t at = visibility.index(int(i), y);
+            if (visibility.instance[at] != farfield::kSkyInstance &&
+                visibility.instance[at] == visibility.instance[at - 1] &&
+                visibility.triangle[at] == visibility.triangle[at - 1])
+                ASSERT_EQ(image.pixels[at], image.pixels[at - 1]);
+        }
+}
+
+TEST(shading, a_panorama_stands_in_for_the_gradient) {
+    scene::SceneData world = make_empty_world();
+    add_panorama(world, 128, 64);
+    const scene::StaticScene scene = world.view();
+    Random random(3);
+    for (int i = 0; i < 12; ++i) {
+        Camera camera;
+        camera.yaw = random.in(-4, 4);
+        camera.pitch = i == 0 ? 0.5 * kPi : i == 1 ? -0.5 * kPi : random.in(-1.5, 1.5);
+        const PinholeView view = make_view(camera, kWidth, kHeight);
+        const VisibilityBuffer visibility = cast_view(scene, view);
+        const Difference d = compare_with_reference(scene, view, visibility, shade_view(scene, view, visibility));
+        EXPECT_EQ(d.large, 0) << "view " << i << ", max " << d.max;
+        EXPECT_EQ(d.compared, kWidth * kHeight);
+    }
+}
+
+TEST(shading, one_and_two_workers_give_the_same_bits) {
+    scene::SceneData world = make_material_world(7);
+    const scene::StaticScene scene = world.view();
+    Random random(7);
+    const PinholeView view = random_view(random, scene.bounds);
+    const VisibilityBuffer visibility = cast_view(scene, view);
+    std::vector<std::uint32_t> first;
+    for (const int workers : {1, 2, 2}) {
+        const WorkerLimit limit(workers);
+        const Image image = shade_view(scene, view, visibility);
+        if (first.empty()) first = image.pixels;
+        EXPECT_EQ(image.pixels, first);
+    }
+}
+
+TEST(shading, every_vector_width_draws_the_same_picture) {
+    scene::SceneData postcard = make_postcard();
+    const scene::StaticScene scene = postcard.view();
+    Camera camera;
+    camera.position = {0.0, 6.0, 20.0};
+    const PinholeView view = make_view(camera, kWidth, kHeight);
+    const VisibilityBuffer visibility = cast_view(scene, view);
+    const std::vector<Image> images = images_of_all_targets([&] { return shade_view(scene, view, visibility); });
+    ASSERT_FALSE(images.empty());
+    for (const Image& image : images) {
+        // Fused and separate multiply-adds round differently: at borders of mip levels the choice may differ.
+        int different = 0;
+        for (std::size_t i = 0; i < image.pixels.size(); ++i)
+            for (int k = 0; k < 3; ++k)
+                different += std::abs(channel(image.pixels[i], k) - channel(images[0].pixels[i], k)) > 1;
+        EXPECT_LE(different, 60);
+    }
+}
+
+TEST(shading, only_the_pixels_asked_for_are_written) {
+    scene::SceneData world = make_material_world(2);
+    const scene::StaticScene scene = world.view();
+    Random random(2);
+    const PinholeView view = random_view(random, scene.bounds);
+    const VisibilityBuffer visibility = cast_view(scene, view);
+    const Image whole = shade_view(scene, view, visibility);
+    std::vector<farfield::TileRequest> tiles = all_tiles(kWidth, kHeight);
+    std::uint64_t asked = 0;
+    for (farfield::TileRequest& tile : tiles)
+        for (int j = 0; j < farfield::kTileSize; ++j) {
+            tile.rows[j] = std::uint16_t(random.below(5) == 0 ? 0xFFFF : random.below(65536));
+            for (int i = 0; i < farfield::kTileSize; ++i)
+                asked += (tile.rows[j] >> i & 1) && tile.x + i < kWidth && tile.y + j < kHeight;
+        }
+    Image image;
+    image.resize(kWidth, kHeight);
+    const std::uint32_t untouched = 0x12345678u;
+    std::fill(image.pixels.begin(), image.pixels.end(), untouched);
+    EXPECT_EQ(shading::shade_tiles(scene, {}, view, visibility, tiles, {}, image), asked);
+    for (const farfield::TileRequest& tile : tiles)
+        for (int j = 0; j < farfield::kTileSize; ++j)
+            for (int i = 0; i < farfield::kTileSize; ++i) {
+                const std::size_t at = visibility.index(tile.x + i, tile.y + j);
+                const bool inside = tile.x + i < kWidth && tile.y + j < kHeight;
+                const bool asked_for = inside && (tile.rows[j] >> i & 1);
+                ASSERT_EQ(image.pixels[at], asked_for ? whole.pixels[at] : untouched);
+            }
+}
+
+TEST(shading, dynamic_instances_are_named_after_the_static_ones) {
+    scene::SceneData world = make_material_world(5);
+    const scene::StaticScene scene = world.view();
+    Random random(5);
+    const PinholeView view = random_view(random, scene.bounds);
+    VisibilityBuffer visibility = cast_view(scene, view);
+    const Image as_static = shade_view(scene, view, visibility);
+    for (std::uint32_t& instance : visibility.instance)
+        if (instance < scene.instances.size()) instance += std::uint32_t(scene.instances.size());
+    const Image as_dynamic = shade_view(scene, view, visibility, {}, scene.instances);
+    EXPECT_EQ(largest_difference(as_static, as_dynamic), 0);
+}
+
+TEST(shading, names_outside_the_scene_are_sky) {
+    scene::SceneData world = make_material_world(5);
+    const scene::StaticScene scene = world.view();
+    const PinholeView view = make_view({}, kWidth, kHeight);
+    VisibilityBuffer sky;
+    sky.resize(kWidth, kHeight);
+    std::fill(sky.instance.begin(), sky.instance.end(), farfield::kSkyInstance);
+    VisibilityBuffer wrong = sky;
+    for (std::size_t i = 0; i < wrong.instance.size(); ++i) {
+        wrong.instance[i] = i % 3 == 0 ? farfield::kUnresolved : i % 3 == 1 ? 0u : 77777u;
+        wrong.triangle[i] = 0xFFFFFFF0u;
+    }
+    EXPECT_EQ(largest_difference(shade_view(scene, view, sky), shade_view(scene, view, wrong)), 0);
+}
+
+TEST(shading, a_mirrored_instance_is_lit_like_the_mesh_it_mirrors) {
+    // A ball mirrored in x under a sun in the y-z plane: the picture is its own mirror image.
+    Image images[2];
+    for (const int side : {0, 1}) {
+        scene::SceneData world = make_closed_sphere(2.0, 24);
+        world.environment.to_sun = glm::normalize(Vec3(0.0f, 0.6f, 0.8f));
+        if (side == 1) world.instances[0].world_from_mesh[0] = Vec3(-1.0f, 0.0f, 0.0f);
+        const scene::StaticScene scene = world.view();
+        Camera camera;
+        camera.position = {0.0, 0.0, 8.0};
+        const PinholeView view = make_view(camera, 192, 144);
+        images[side] = shade_view(scene, view, cast_view(scene, view));
+    }
+    int different = 0;
+    for (int y = 0; y < 144; ++y)
+        for (int x = 0; x < 192; ++x)
+            for (int k = 0; k < 3; ++k)
+                different += std::abs(channel(images[0].pixels[std::size_t(y * images[0].stride + x)], k) -
+                                      channel(images[1].pixels[std::size_t(y * images[1].stride + 191 - x)], k)) > 3;
+    EXPECT_LE(different, 200);  // the outline
+}
+
+TEST(shading, fog_hides_what_is_far_in_the_colour_of_the_horizon) {
+    scene::SceneData world = make_postcard();
+    world.environment.fog_density_per_m = 10.0f;
+    const scene::StaticScene scene = world.view();
+    Camera camera;
+    camera.position = {0.0, 20.0, 20.0};
+    camera.pitch = -0.6;
+    const PinholeView view = make_view(camera, kWidth, kHeight);
+    const VisibilityBuffer visibility = cast_view(scene, view);
+    const Image image = shade_view(scene, view, visibility);
+    const std::uint32_t first = image.pixels[visibility.index(100, 140)];
+    for (int x = 0; x < kWidth; ++x) EXPECT_EQ(image.pixels[visibility.index(x, 140)], first);
+    EXPECT_NEAR(channel(first, 0), 255.0 * 0.8545, 2.0);  // sRGB of 0.70
+}
+
+TEST(shading, an_unlit_texel_comes_back_as_it_is) {
+    for (const std::uint32_t value : {0u, 1u, 5u, 10u, 11u, 40u, 128u, 200u, 254u, 255u}) {
+        scene::SceneData world = make_single_triangle(Vec3(-9, -9, -5), Vec3(9, -9, -5), Vec3(0, 9, -5));
+        const std::vector<std::uint32_t> texel(1, value * 0x010101u | 0xFF000000u);
+        world.materials[0].base_color = Vec4(1.0f);
+        world.materials[0].flags = scene::kMaterialUnlit;
+        world.materials[0].base_color_texture = world.add_texture(texel, 1, 1, scene::Wrap::repeat, scene::Wrap::clamp);
+        const scene::StaticScene scene = world.view();
+        const PinholeView view = make_view({}, 64, 48);
+        const VisibilityBuffer visibility = cast_view(scene, view);
+        const Image image = shade_view(scene, view, visibility);
+        for (int k = 0; k < 3; ++k)
+            EXPECT_NEAR(channel(image.pixels[visibility.index(32, 24)], k), int(value), 1) << value;
+    }
+}
+
+TEST(shading, degenerate_and_grazing_triangles_have_a_colour) {
+    // Nothing here may read outside the texture, and a pixel is always opaque.
+    for (std::uint32_t seed = 0; seed < 6; ++seed) {
+        scene::SceneData world = make_triangle_soup({.masked = true}, {.seed = seed});
+        for (scene::VertexAttributes& vertex : world.attributes) vertex.uv *= seed % 2 == 0 ? 1.0f : 1e12f;
+        const scene::StaticScene scene = world.view();
+        Random random(seed);
+        PinholeView view = random_view(random, scene.bounds);
+        VisibilityBuffer visibility = cast_view(scene, view);
+        // Any triangle may be named by any pixel: behind the viewer, edge on, without area, without a depth.
+        for (std::size_t i = 0; i < visibility.instance.size(); ++i) {
+            visibility.instance[i] = random.below(std::uint32_t(scene.instances.size()));
+            visibility.triangle[i] =
+                random.below(scene.meshes[scene.instances[visibility.instance[i]].mesh].triangle_count);
+            if (i % 7 == 0) visibility.depth[i] = std::numeric_limits<float>::quiet_NaN();
+        }
+        if (seed == 4) view.position = scene.instances[0].position;  // inside the first triangle's corner
+        for (const Image& image :
+             images_of_all_targets([&] { return shade_view(scene, view, visibility, {.prelit_beyond_m = 5.0f}); }))
+            for (int y = 0; y < kHeight; ++y)
+                for (int x = 0; x < kWidth; ++x) ASSERT_EQ(image.pixels[visibility.index(x, y)] >> 24, 255u);
+    }
+}
+
+TEST(shading, the_model_keeps_surfaces_that_face_away_from_the_sun_visible) {
+    const shading::ShadingUniforms uniforms = shading::make_uniforms({}, 0.001f);
+    for (double y = -1.0; y <= 1.0; y += 0.1) {
+        const Vec4 light =
+            uniforms.ambient_side + float(y) * uniforms.ambient_slope + float(y * y) * uniforms.ambient_curve;
+        for (int k = 0; k < 3; ++k) EXPECT_GT(light[k], 0.1f);
+    }
 }
 
 }  // namespace

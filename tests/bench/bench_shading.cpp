@@ -1,0 +1,137 @@
+// Milliseconds of the shading pass for whole 640x480 images: a town from the street and from above, a wood, near and
+// far, all pixels textured or prelit. Usage: bench_shading [laps]
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <limits>
+#include <string>
+#include <unordered_set>
+#include <vector>
+
+#include "engine/core/jobs.h"
+#include "engine/core/stopwatch.h"
+#include "engine/farfield/ray_caster.h"
+#include "engine/scene/prelit_colors.h"
+#include "engine/shading/shading_pass.h"
+#include "tests/bench/bench_world.h"
+
+namespace {
+
+using namespace ff;
+
+constexpr int kWidth = 640, kHeight = 480;
+
+std::vector<farfield::TileRequest> whole_image() {
+    std::vector<farfield::TileRequest> tiles;
+    for (int y = 0; y < kHeight; y += farfield::kTileSize)
+        for (int x = 0; x < kWidth; x += farfield::kTileSize) {
+            farfield::TileRequest tile{std::uint16_t(x), std::uint16_t(y), {}};
+            for (std::uint16_t& row : tile.rows) row = 0xFFFF;
+            tiles.push_back(tile);
+        }
+    return tiles;
+}
+
+struct Shot {
+    std::string name;
+    const scene::StaticScene* scene;
+    PinholeView view;
+    shading::ShadeSettings settings;
+    farfield::VisibilityBuffer visibility;
+    std::vector<double> ms[2];  ///< one worker, two workers
+};
+
+/// Triangles set up: once per tile that sees them.
+std::size_t tile_triangles(const farfield::VisibilityBuffer& visibility) {
+    std::size_t count = 0;
+    for (int y = 0; y < kHeight; y += farfield::kTileSize)
+        for (int x = 0; x < kWidth; x += farfield::kTileSize) {
+            std::unordered_set<std::uint64_t> names;
+            for (int j = 0; j < farfield::kTileSize; ++j)
+                for (int i = 0; i < farfield::kTileSize; ++i) {
+                    const std::size_t at = visibility.index(x + i, y + j);
+                    if (visibility.instance[at] != farfield::kSkyInstance)
+                        names.insert(std::uint64_t(visibility.instance[at]) << 32 | visibility.triangle[at]);
+                }
+            count += names.size();
+        }
+    return count;
+}
+
+double sky_percent(const farfield::VisibilityBuffer& visibility) {
+    std::size_t sky = 0;
+    for (int y = 0; y < kHeight; ++y)
+        for (int x = 0; x < kWidth; ++x) sky += visibility.instance[visibility.index(x, y)] == farfield::kSkyInstance;
+    return 100.0 * double(sky) / (kWidth * kHeight);
+}
+
+Shot make_shot(std::string name, const scene::StaticScene& scene, farfield::RayCaster& caster, double x, double above,
+               double z, double yaw, double pitch, shading::ShadeSettings settings = {}) {
+    Camera camera;
+    camera.position = {x, bench::town_height(float(x), float(z)) + above, z};
+    camera.yaw = yaw;
+    camera.pitch = pitch;
+    Shot shot{std::move(name), &scene, make_view(camera, kWidth, kHeight), settings, {}, {}};
+    shot.visibility.resize(kWidth, kHeight);
+    caster.cast_tiles(shot.view, whole_image(), shot.visibility);
+    return shot;
+}
+
+void write_ppm(const std::string& path, const shading::Image& image) {
+    if (std::FILE* file = std::fopen(path.c_str(), "wb")) {
+        fmt::print(file, "P6 {} {} 255\n", image.width, image.height);
+        for (int y = 0; y < image.height; ++y)
+            std::for_each_n(&image.pixels[std::size_t(y) * std::size_t(image.stride)], image.width,
+                            [&](std::uint32_t c) { std::fwrite(&c, 1, 3, file); });
+        std::fclose(file);
+    }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    const int laps = argc > 1 ? std::atoi(argv[1]) : 41;
+    scene::SceneData town = bench::make_town({.cells = 6});
+    scene::SceneData wood = bench::make_town({.cells = 3, .buildings = 4, .trees = 3000});
+    town.prelit_colors = scene::make_prelit_colors(town);
+    wood.prelit_colors = scene::make_prelit_colors(wood);
+    const scene::StaticScene town_scene = town.view(), wood_scene = wood.view();
+    const auto town_caster = farfield::make_embree_caster(town_scene);
+    const auto wood_caster = farfield::make_embree_caster(wood_scene);
+    const shading::ShadeSettings prelit{.prelit_beyond_m = 100.0f};
+
+    std::vector<Shot> shots;
+    shots.push_back(make_shot("town, street", town_scene, *town_caster, 40, 1.7, 20, 1.3, 0.02));
+    shots.push_back(make_shot("town, roofs", town_scene, *town_caster, 130, 80, -115, 3.9, -0.4));
+    shots.push_back(make_shot("town, roofs, prelit 100 m", town_scene, *town_caster, 130, 80, -115, 3.9, -0.4, prelit));
+    shots.push_back(make_shot("wood, inside", wood_scene, *wood_caster, 40, 1.7, 20, 1.3, 0.02));
+    shots.push_back(make_shot("wood, above", wood_scene, *wood_caster, 40, 60, 20, 0.7, -0.3));
+    shots.push_back(make_shot("wood, above, prelit 100 m", wood_scene, *wood_caster, 40, 60, 20, 0.7, -0.3, prelit));
+    shots.push_back(make_shot("sky", town_scene, *town_caster, 40, 80, 20, 0.3, 0.9));
+
+    const auto tiles = whole_image();
+    shading::Image image;
+    image.resize(kWidth, kHeight);
+    for (int lap = 0; lap < laps; ++lap)
+        for (Shot& shot : shots)
+            for (int workers = 1; workers <= 2; ++workers) {
+                const WorkerLimit limit(workers);
+                const Stopwatch watch;
+                shading::shade_tiles(*shot.scene, {}, shot.view, shot.visibility, tiles, shot.settings, image);
+                shot.ms[workers - 1].push_back(watch.milliseconds());
+                if (lap == 0 && workers == 1 && argc > 2)
+                    write_ppm(fmt::format("{}/{}.ppm", argv[2], &shot - shots.data()), image);
+            }
+    fmt::print("640x480, {} laps; ms: median (best)\n{:<28}{:>8}{:>16}{:>18}{:>18}\n", laps, "", "sky %",
+               "triangles*tiles", "1 worker", "2 workers");
+    for (Shot& shot : shots) {
+        for (std::vector<double>& ms : shot.ms) std::sort(ms.begin(), ms.end());
+        const auto times = [&](int i) {
+            return fmt::format("{:.2f} ({:.2f})", shot.ms[i][std::size_t(laps / 2)], shot.ms[i][0]);
+        };
+        fmt::print("{:<28}{:>8.1f}{:>16}{:>18}{:>18}\n", shot.name, sky_percent(shot.visibility),
+                   tile_triangles(shot.visibility), times(0), times(1));
+    }
+}
