@@ -5,7 +5,6 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
-#include <numeric>
 #include <string>
 #include <vector>
 
@@ -53,7 +52,7 @@ struct Content {
 Content make_content(std::size_t count) {
     Content content;
     content.numbers.resize(count);
-    std::iota(content.numbers.begin(), content.numbers.end(), 7u);
+    for (std::size_t i = 0; i < count; ++i) content.numbers[i] = static_cast<std::uint32_t>(i / 64);
     content.noise.resize(count / 2);
     std::uint64_t state = 1;
     for (std::uint32_t& n : content.noise) {
