@@ -11,9 +11,9 @@ namespace {
 
 constexpr std::size_t kTilesPerTask = 64;
 /// Pixels between the samples of a tile that sees more than one face, and the texels around a sample that count as
-/// seen: at least as many as lie between two samples.
+/// seen: at least as many as lie between two samples, threefold at a face's corner.
 constexpr int kSampleStep = 5;
-constexpr float kSampleReach = 9.0f;
+constexpr float kSampleReach = 16.0f;
 
 /// Calls visit(texel tile) for the tiles of texels that a tile of pixels looks at; may name some twice and some that
 /// it just misses.
@@ -32,11 +32,18 @@ void visit_texel_tiles(const PanoramaMap& map, const PinholeView& view, const Ti
     const int last = map.size - 1;
     for (int j = 0; j <= kTileSize; j += kSampleStep)
         for (int i = 0; i <= kTileSize; i += kSampleStep) {
-            const FacePoint p = face_point(view.direction(int(tile.x) + i, int(tile.y) + j));
-            const float x = texel_x(map, p.a), y = texel_y(map, p.b);
-            const int face_row = p.face * map.size;
-            visit_box(std::clamp(int(x - reach), 0, last), std::clamp(int(x + reach), 0, last),
-                      face_row + std::clamp(int(y - reach), 0, last), face_row + std::clamp(int(y + reach), 0, last));
+            const Vec3 d = view.direction(int(tile.x) + i, int(tile.y) + j);
+            // On its own face and on those whose edge is near: a tile may cut a corner of one between two samples.
+            for (int face = 0; face < 6; ++face) {
+                const FacePoint p = point_on_face(d, face);
+                if (!(p.axis > 0)) continue;
+                const float x = texel_x(map, p.a), y = texel_y(map, p.b), end = float(last) + reach;
+                if (!(x > -reach && x < end && y > -reach && y < end)) continue;
+                const int face_row = face * map.size;
+                visit_box(std::clamp(int(x - reach), 0, last), std::clamp(int(x + reach), 0, last),
+                          face_row + std::clamp(int(y - reach), 0, last),
+                          face_row + std::clamp(int(y + reach), 0, last));
+            }
         }
 }
 

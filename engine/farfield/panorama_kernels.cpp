@@ -198,7 +198,9 @@ void lookup_pixels(const LookupJob& job, const TileRequest& tile, int face, std:
                 const hn::Rebind<std::uint8_t, DI> d8;
                 const int pixel = j * kTileSize + i;
                 hn::StoreU(hn::DemoteTo(d8, classes), d8, out.classes.data() + pixel);
-                hn::StoreU(hn::DemoteTo(d8, bins_of(parallax)), d8, out.parallax.data() + pixel);
+                const auto still = hn::RebindMask(di, hn::Eq(parallax, hn::Zero(df)));
+                hn::StoreU(hn::DemoteTo(d8, hn::IfThenZeroElse(still, bins_of(parallax))), d8,
+                           out.parallax.data() + pixel);
                 if (!hn::AllTrue(di, hn::Or(hn::Not(wanted), hn::Eq(classes, hn::Zero(di))))) out.any = true;
                 wanted = hn::AndNot(never, wanted);
             } else {

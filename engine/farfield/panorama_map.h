@@ -59,7 +59,16 @@ struct FacePoint {
     float axis;  ///< length of the direction along the face's axis, > 0
 };
 
+/// A direction on the plane of a given face; outside of [-1, 1] beside it, axis <= 0 behind it.
 /// Faces and axes are those of make_cube_face_view.
+inline FacePoint point_on_face(const Vec3& d, int face) {
+    const float sign = face % 2 == 0 ? 1.0f : -1.0f;
+    if (face < 2) return {face, sign * d.z / (sign * d.x), d.y / (sign * d.x), sign * d.x};
+    if (face < 4) return {face, d.x / (sign * d.y), sign * d.z / (sign * d.y), sign * d.y};
+    return {face, -sign * d.x / (sign * d.z), d.y / (sign * d.z), sign * d.z};
+}
+
+/// A direction on the face that it falls into.
 inline FacePoint face_point(const Vec3& d) {
     const float x = std::fabs(d.x), y = std::fabs(d.y), z = std::fabs(d.z);
     if (x >= y && x >= z) return {d.x < 0 ? 1 : 0, (d.x < 0 ? -d.z : d.z) / x, d.y / x, x};
@@ -74,10 +83,5 @@ inline float texel_x(const PanoramaMap& map, float a) {
 inline float texel_y(const PanoramaMap& map, float b) {
     return b * (-0.5f * float(map.size) / map.extent) + (0.5f * float(map.size) - 0.5f);
 }
-
-/// How far the viewer has moved since each record was made: camera axes of the view that is looked up.
-struct Displacements {
-    std::vector<float> x, y, z;  ///< [kRecordCount]
-};
 
 }  // namespace ff::farfield
