@@ -38,6 +38,9 @@ CellGrid::CellGrid(double largest_m, double smallest_m) : largest_m_(largest_m),
 }
 
 std::uint64_t CellGrid::square_of(double x, double z) const {
+    // The world's origin lies in the middle of a root: what is small and stands there is one cell, not four.
+    x += 0.5 * largest_m_;
+    z += 0.5 * largest_m_;
     const auto root_x = static_cast<std::int64_t>(std::floor(x / largest_m_));
     const auto root_z = static_cast<std::int64_t>(std::floor(z / largest_m_));
     const std::int64_t last = (1ll << levels_) - 1;
@@ -77,12 +80,12 @@ void CellGrid::split(const std::vector<CellEntry>& entries, std::size_t begin, s
         const std::uint64_t morton = square & ((1ull << (2 * level)) - 1), root = square >> (2 * level);
         const auto root_x = static_cast<std::int64_t>(root & ((1ull << kRootBits) - 1)) - kRootBias;
         const auto root_z = static_cast<std::int64_t>(root >> kRootBits) - kRootBias;
-        cells.push_back(
-            {.begin = begin,
-             .end = end,
-             .x = static_cast<double>(root_x) * largest_m_ + (static_cast<double>(gather_bits(morton)) + 0.5) * side,
-             .z = static_cast<double>(root_z) * largest_m_ +
-                  (static_cast<double>(gather_bits(morton >> 1)) + 0.5) * side});
+        cells.push_back({.begin = begin,
+                         .end = end,
+                         .x = (static_cast<double>(root_x) - 0.5) * largest_m_ +
+                              (static_cast<double>(gather_bits(morton)) + 0.5) * side,
+                         .z = (static_cast<double>(root_z) - 0.5) * largest_m_ +
+                              (static_cast<double>(gather_bits(morton >> 1)) + 0.5) * side});
         return;
     }
     for (std::size_t at = begin; at < end;) {
