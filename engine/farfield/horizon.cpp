@@ -8,6 +8,7 @@
 
 #include "engine/core/check.h"
 #include "engine/farfield/horizon_azimuth.h"
+#include "engine/farfield/horizon_near.h"
 #include "engine/farfield/horizon_trace.h"
 
 namespace ff::farfield {
@@ -41,10 +42,13 @@ bool contains(ColumnRange outer, int column, int columns) {
 }  // namespace
 
 HorizonMap::HorizonMap(const HorizonSettings& settings) : settings_(settings) {
+    FF_CHECK(settings.fine_squares >= 0 && settings.fine_squares <= 16, "{} fine squares", settings.fine_squares);
     FF_CHECK(settings.columns >= 64 && settings.columns <= kMaxHorizonColumns && settings.columns % 4 == 0,
              "{} horizon columns", settings.columns);
     const std::size_t size = std::size_t(settings.columns) + kPadding;
     for (std::vector<float>* table : {&max_x_, &max_z_, &min_x_, &min_z_}) table->resize(size);
+    border_x_.resize(size);
+    border_z_.resize(size);
     traced_.assign(size, kInfinity);
     tangents_.assign(size, kInfinity);
     winner_.assign(size, kNoSquare);
@@ -67,6 +71,7 @@ void HorizonMap::set_quality(float near_distance_m, int subsample) {
 void HorizonMap::invalidate() {
     valid_ = {};
     heights_ = nullptr;
+    boxes_ = nullptr;
     std::fill(winner_.begin(), winner_.end(), kNoSquare);
     std::fill(tangents_.begin(), tangents_.end(), kInfinity);
 }
@@ -74,6 +79,12 @@ void HorizonMap::invalidate() {
 void HorizonMap::make_wedges() {
     const int columns = settings_.columns / settings_.subsample;
     const double margin = 2.0 * double(margin_of(columns));
+    for (int c = 0; c <= columns; ++c) {
+        double x, z;
+        azimuth_direction(double(c) / columns, x, z);
+        border_x_[std::size_t(c)] = float(x);
+        border_z_[std::size_t(c)] = float(z);
+    }
     for (int c = 0; c < columns; ++c) {
         double x0, z0, x1, z1;
         azimuth_direction((c - margin) / columns, x0, z0);
@@ -90,24 +101,47 @@ void HorizonMap::make_wedges() {
     }
 }
 
+HorizonCost HorizonMap::update(const scene::StaticScene& scene, const PinholeView& view) {
+    return trace(&scene, scene.height_grid, view.position, with_margin(&scene, scene.height_grid, view));
+}
+HorizonCost HorizonMap::update(const scene::StaticScene& scene, const WorldPos& eye, ColumnRange wanted) {
+    return trace(&scene, scene.height_grid, eye, wanted);
+}
 HorizonCost HorizonMap::update(const scene::HeightGrid& grid, const PinholeView& view) {
-    const int all = settings_.columns;
-    ColumnRange wanted = columns_of_view(view, all);
-    // Whatever has to be traced is traced a little wider, so that a turning head does not ask again every frame.
-    const bool known = heights_ == grid.heights.data() && eye_ == view.position && valid_.count > 0 &&
-                       modulo(wanted.first - valid_.first, all) + wanted.count <= valid_.count;
-    if (valid_.count != all && !known) {
-        const int margin = all / 64;
-        wanted = {modulo(wanted.first - margin, all), std::min(all, wanted.count + 2 * margin)};
-    }
-    return update(grid, view.position, wanted);
+    return trace(nullptr, grid, view.position, with_margin(nullptr, grid, view));
+}
+HorizonCost HorizonMap::update(const scene::HeightGrid& grid, const WorldPos& eye, ColumnRange wanted) {
+    return trace(nullptr, grid, eye, wanted);
 }
 
-HorizonCost HorizonMap::update(const scene::HeightGrid& grid, const WorldPos& eye, ColumnRange wanted) {
+bool HorizonMap::is_of(const scene::StaticScene* scene, const scene::HeightGrid& grid) const {
+    return heights_ == grid.heights.data() && boxes_ == (scene ? scene->instance_nodes.data() : nullptr);
+}
+
+/// The view's columns; where some have to be traced, a little more, so that a turning head does not ask every frame.
+ColumnRange HorizonMap::with_margin(const scene::StaticScene* scene, const scene::HeightGrid& grid,
+                                    const PinholeView& view) const {
+    const int all = settings_.columns;
+    const ColumnRange wanted = columns_of_view(view, all);
+    const bool known = is_of(scene, grid) && eye_ == view.position &&
+                       (valid_.count == all || modulo(wanted.first - valid_.first, all) + wanted.count <= valid_.count);
+    if (known) return wanted;
+    const int margin = all / 64;
+    return {modulo(wanted.first - margin, all), std::min(all, wanted.count + 2 * margin)};
+}
+
+HorizonWedges HorizonMap::wedges(float near_distance) const {
+    const int columns = settings_.columns / settings_.subsample;
+    return {columns, max_x_.data(), max_z_.data(), min_x_.data(), min_z_.data(), margin_of(columns), near_distance};
+}
+
+HorizonCost HorizonMap::trace(const scene::StaticScene* scene, const scene::HeightGrid& grid, const WorldPos& eye,
+                              ColumnRange wanted) {
     const int all = settings_.columns, step = settings_.subsample;
-    if (heights_ != grid.heights.data()) invalidate();
+    if (!is_of(scene, grid)) invalidate();
     if (eye_ != eye) valid_ = {};
     heights_ = grid.heights.data();
+    boxes_ = scene ? scene->instance_nodes.data() : nullptr;
     eye_ = eye;
 
     // Whole wedges only.
@@ -150,14 +184,21 @@ HorizonCost HorizonMap::update(const scene::HeightGrid& grid, const WorldPos& ey
         input.frac_z = float(eye_z - std::floor(eye_z));
         input.eye_height_m = std::nextafter(float(eye_height), -kInfinity);
         input.squares_per_m = float(1.0 / grid.square_m);
-        input.near_squares = float(double(settings_.near_distance_m) / grid.square_m * (1.0 - 1e-6));
-        input.columns = all / step;
-        input.max_x = max_x_.data();
-        input.max_z = max_z_.data();
-        input.min_x = min_x_.data();
-        input.min_z = min_z_.data();
-        input.column_margin = margin_of(input.columns);
-        for (int c = input.columns; c < input.columns + kPadding; ++c) traced_[std::size_t(c)] = kInfinity;
+        // Around the eye the scene itself, beyond it the grid.
+        const double near_m = double(settings_.near_distance_m), reach_m = settings_.fine_squares * grid.square_m;
+        const bool fine = scene != nullptr && reach_m > near_m;
+        input.wedges = wedges(float((fine ? reach_m : near_m) / grid.square_m * (1.0 - 1e-6)));
+        for (int c = input.wedges.columns; c < input.wedges.columns + kPadding; ++c)
+            traced_[std::size_t(c)] = kInfinity;
+        if (fine) {
+            HorizonNearInput around{scene,
+                                    eye,
+                                    float(reach_m * (1.0 + 1e-5) + 1e-3),
+                                    wedges(settings_.near_distance_m * (1.0f - 1e-6f)),
+                                    border_x_.data(),
+                                    border_z_.data()};
+            cost.boxes = trace_horizon_near(around, traced_.data());
+        }
         cost.squares = trace_horizon(input, traced_.data(), winner_.data());
     }
 

@@ -32,6 +32,10 @@ struct HorizonSettings {
     /// finest squares. Still never below the true skyline; for frames short of time.
     int subsample = 1;
 
+    /// Within so many grid squares of the eye the scene's own boxes count instead of the squares' heights (where a
+    /// scene is given): a square that holds a house would hide the sky of the whole street. 0: never. [0, 16]
+    int fine_squares = 3;
+
     friend bool operator==(const HorizonSettings&, const HorizonSettings&) = default;
 };
 
@@ -39,6 +43,7 @@ struct HorizonSettings {
 struct HorizonCost {
     std::uint32_t columns = 0;  ///< traced anew
     std::uint32_t squares = 0;  ///< height grid squares of any level whose bound was computed
+    std::uint32_t boxes = 0;    ///< boxes and triangles of the scene, likewise
 };
 
 /// An interval of azimuth columns, wrapping around; count may be all of them.
@@ -46,6 +51,8 @@ struct ColumnRange {
     int first = 0;
     int count = 0;
 };
+
+struct HorizonWedges;
 
 /// The skyline around one eye position. Dynamic objects are not in it.
 class HorizonMap {
@@ -55,8 +62,11 @@ class HorizonMap {
 
     /// Makes the columns that `view` looks at (and a margin) valid for its position, tracing those that are not:
     /// none while only the direction changes within what was traced, all of the view's once the eye moved.
-    HorizonCost update(const scene::HeightGrid& grid, const PinholeView& view);
+    HorizonCost update(const scene::StaticScene& scene, const PinholeView& view);
     /// Makes the given columns valid for an eye.
+    HorizonCost update(const scene::StaticScene& scene, const WorldPos& eye, ColumnRange wanted);
+    /// The same from a height grid alone.
+    HorizonCost update(const scene::HeightGrid& grid, const PinholeView& view);
     HorizonCost update(const scene::HeightGrid& grid, const WorldPos& eye, ColumnRange wanted);
     /// Forgets what was traced: the world changed.
     void invalidate();
@@ -69,19 +79,27 @@ class HorizonMap {
     [[nodiscard]] const HorizonSettings& settings() const { return settings_; }
 
   private:
-    friend struct HorizonTrace;
+    [[nodiscard]] HorizonWedges wedges(float near_distance) const;
+    [[nodiscard]] ColumnRange with_margin(const scene::StaticScene* scene, const scene::HeightGrid& grid,
+                                          const PinholeView& view) const;
+    [[nodiscard]] bool is_of(const scene::StaticScene* scene, const scene::HeightGrid& grid) const;
+    HorizonCost trace(const scene::StaticScene* scene, const scene::HeightGrid& grid, const WorldPos& eye,
+                      ColumnRange wanted);
+    void make_wedges();
+
     HorizonSettings settings_;
     WorldPos eye_{0.0};
-    const float* heights_ = nullptr;  ///< of the grid that was traced; null: nothing was
+    const float* heights_ = nullptr;         ///< of the grid that was traced; null: nothing was
+    const scene::BvhNode* boxes_ = nullptr;  ///< of the scene that was traced; null: the grid alone
     ColumnRange valid_;
 
     // Per traced column (settings.columns / subsample of them), padded: bounds of |x| and |z| of the unit directions in
     // the wedge, a little too wide.
     std::vector<float> max_x_, max_z_, min_x_, min_z_;
-    std::vector<float> traced_;          ///< tangents of the traced columns
-    std::vector<float> tangents_;        ///< one per column, padded
-    std::vector<std::uint32_t> winner_;  ///< level-0 (or finest traced) square that made the traced column
-    void make_wedges();
+    std::vector<float> traced_;               ///< tangents of the traced columns
+    std::vector<float> tangents_;             ///< one per column, padded
+    std::vector<std::uint32_t> winner_;       ///< level-0 (or finest traced) square that made the traced column
+    std::vector<float> border_x_, border_z_;  ///< [columns + 1]: unit directions between the traced columns
 };
 
 /// Columns that the view's pixels fall in, and a margin of two to each side.

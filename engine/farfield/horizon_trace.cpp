@@ -18,25 +18,16 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "engine/farfield/horizon_columns-inl.h"
+
 HWY_BEFORE_NAMESPACE();
 namespace ff::farfield {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-using D = hn::CappedTag<float, 16>;
-using DI = hn::RebindToSigned<D>;
-using V = hn::VFromD<D>;
-constexpr D d;
-constexpr DI di;
-
 constexpr float kSlackSquares = 1e-6f;  // covers the rounding of offsets beside the eye
 
-/// A square and what it may add: in column c, where it rises above the eye
-///   rise * min(max_x[c] * a, max_z[c] * b, 1 / near), a and b being 1 / gap along x and z,
-/// else rise * max(min_x[c] * a, min_z[c] * b) with a and b 1 / farthest.
-struct Bound {
-    float rise, a, b;
-    int first, count;  // columns
+struct Square : Bound {
     int x, z, level;
 };
 
@@ -47,23 +38,7 @@ struct alignas(64) Batch {
     float rise[16], a[16], b[16];
     std::int32_t first[16], count[16];
 
-    Bound at(int i, int level) const { return {rise[i], a[i], b[i], first[i], count[i], x[i], z[i], level}; }
-};
-
-HWY_INLINE V azimuth_turn_v(V x, V z) {
-    const V ax = hn::Abs(x), az = hn::Abs(z);
-    const V t = hn::Div(hn::Min(ax, az), hn::Max(hn::Max(ax, az), hn::Set(d, 1e-37f)));
-    V turn =
-        hn::Mul(t, hn::Add(hn::Set(d, 0.125f), hn::Mul(hn::Set(d, kQuasiAngleBend), hn::Sub(hn::Set(d, 1.0f), t))));
-    turn = hn::IfThenElse(hn::Gt(ax, az), hn::Sub(hn::Set(d, 0.25f), turn), turn);
-    turn = hn::IfThenElse(hn::Gt(z, hn::Zero(d)), hn::Sub(hn::Set(d, 0.5f), turn), turn);
-    return hn::IfThenElse(hn::Lt(x, hn::Zero(d)), hn::Sub(hn::Set(d, 1.0f), turn), turn);
-}
-
-/// Offsets of a batch's squares from the eye, in squares of level 0.
-struct Extent {
-    V low_x, low_z, high_x, high_z;
-    V gap_x, gap_z;  // 0 where the eye is within
+    Square at(int i, int level) const { return {{rise[i], a[i], b[i], first[i], count[i]}, x[i], z[i], level}; }
 };
 
 HWY_INLINE Extent extent_of(const HorizonTraceInput& in, int level, const Batch& batch, std::size_t i) {
@@ -88,7 +63,7 @@ HWY_INLINE void compute_rise(const HorizonTraceInput& in, const Extent& e, Batch
     V rise = hn::Mul(hn::Sub(hn::Load(d, batch.height + i), hn::Set(d, in.eye_height_m)), hn::Set(d, in.squares_per_m));
     // Wholly nearer than the near distance: not ours.
     const V far2 = hn::Add(hn::Mul(far_x, far_x), hn::Mul(far_z, far_z));
-    rise = hn::IfThenElse(hn::Le(far2, hn::Set(d, in.near_squares * in.near_squares)),
+    rise = hn::IfThenElse(hn::Le(far2, hn::Set(d, in.wedges.near_distance * in.wedges.near_distance)),
                           hn::Set(d, -std::numeric_limits<float>::infinity()), rise);
     const auto above = hn::Gt(rise, hn::Zero(d));
     hn::Store(rise, d, batch.rise + i);
@@ -96,32 +71,9 @@ HWY_INLINE void compute_rise(const HorizonTraceInput& in, const Extent& e, Batch
     hn::Store(hn::Div(one, hn::IfThenElse(above, e.gap_z, far_z)), d, batch.b + i);
 }
 
-/// Fills first and count of a vector of squares.
-HWY_INLINE void compute_columns(const HorizonTraceInput& in, int level, const Extent& e, Batch& batch, std::size_t i) {
-    const V zero = hn::Zero(d), one = hn::Set(d, 1.0f), columns = hn::Set(d, float(in.columns));
-    // Coarser squares get a wider margin than what they hold, so that rounding cannot leave a descendant outside.
-    const V margin = hn::Set(d, in.column_margin * float(1 + level));
-    // The two corners of the silhouette, clockwise, from which of the nine regions around it the eye looks.
-    const auto east = hn::Gt(e.low_x, zero), west = hn::Lt(e.high_x, zero);
-    const auto south = hn::Gt(e.low_z, zero), north = hn::Lt(e.high_z, zero);
-    const auto between_x = hn::Not(hn::Or(east, west)), between_z = hn::Not(hn::Or(north, south));
-    const auto level_east = hn::And(between_z, east);
-    const V start_x = hn::IfThenElse(hn::Or(north, level_east), e.low_x, e.high_x);
-    const V start_z = hn::IfThenElse(hn::Or(east, hn::And(between_x, south)), e.low_z, e.high_z);
-    const V end_x = hn::IfThenElse(hn::Or(south, level_east), e.low_x, e.high_x);
-    const V end_z = hn::IfThenElse(hn::Or(east, hn::And(between_x, north)), e.high_z, e.low_z);
-
-    const V start = hn::Floor(hn::Sub(hn::Mul(azimuth_turn_v(start_x, start_z), columns), margin));
-    const V end = hn::Floor(hn::Add(hn::Mul(azimuth_turn_v(end_x, end_z), columns), margin));
-    V count = hn::Add(hn::Sub(end, start), one);
-    count = hn::IfThenElse(hn::Le(count, zero), hn::Add(count, columns), count);
-    // With the eye in the square (or as near as rounding can tell) it is all around.
-    const auto inside = hn::And(hn::Eq(e.gap_x, zero), hn::Eq(e.gap_z, zero));
-    count = hn::IfThenElse(inside, columns, hn::Min(count, columns));
-    V first = hn::IfThenElse(hn::Lt(start, zero), hn::Add(start, columns), start);
-    first = hn::IfThenElse(hn::Or(inside, hn::Ge(first, columns)), zero, first);
-    hn::Store(hn::ConvertTo(di, first), di, batch.first + i);
-    hn::Store(hn::ConvertTo(di, count), di, batch.count + i);
+/// Coarser squares get a wider margin than what they hold, so that rounding cannot leave a descendant outside.
+HWY_INLINE float margin_scale(int level) {
+    return float(1 + level);
 }
 
 /// Fills rise, a, b, first and count from x, z and height.
@@ -129,58 +81,8 @@ void compute_bounds(const HorizonTraceInput& in, int level, Batch& batch) {
     for (std::size_t i = 0; i < 16; i += hn::Lanes(d)) {
         const Extent extent = extent_of(in, level, batch, i);
         compute_rise(in, extent, batch, i);
-        compute_columns(in, level, extent, batch, i);
+        compute_columns(in.wedges, margin_scale(level), extent, batch.first + i, batch.count + i);
     }
-}
-
-template <bool kAbove>
-HWY_INLINE V tangents_of(const HorizonTraceInput& in, std::size_t c, V rise, V a, V b, V inverse_near) {
-    if (kAbove)
-        return hn::Mul(rise,
-                       hn::Min(hn::Min(hn::Mul(hn::LoadU(d, in.max_x + c), a), hn::Mul(hn::LoadU(d, in.max_z + c), b)),
-                               inverse_near));
-    return hn::Mul(rise, hn::Max(hn::Mul(hn::LoadU(d, in.min_x + c), a), hn::Mul(hn::LoadU(d, in.min_z + c), b)));
-}
-
-/// Bounds over a square's columns, by which its children are judged all at once.
-struct Survey {
-    bool raises = false;               ///< the square itself raises some column
-    float lowest;                      ///< of the tangents so far
-    float max_x, max_z, min_x, min_z;  ///< of the wedges
-};
-
-template <bool kAbove>
-Survey survey_columns(const HorizonTraceInput& in, const Bound& bound, const float* tangents) {
-    const V rise = hn::Set(d, bound.rise), a = hn::Set(d, bound.a), b = hn::Set(d, bound.b);
-    const V inverse_near = hn::Set(d, 1.0f / in.near_squares);
-    V lowest = hn::Set(d, std::numeric_limits<float>::infinity());
-    V max_x = hn::Zero(d), max_z = max_x, min_x = hn::Set(d, 1.0f), min_z = min_x;
-    auto raises = hn::Gt(max_x, min_x);
-    const auto range = [&](int first, int last) HWY_ATTR {
-        for (int c = first; c < last; c += int(hn::Lanes(d))) {
-            const auto inside = hn::FirstN(d, std::size_t(last - c));
-            const V old =
-                hn::IfThenElse(inside, hn::LoadU(d, tangents + c), hn::Set(d, std::numeric_limits<float>::infinity()));
-            raises = hn::Or(raises, hn::Gt(tangents_of<kAbove>(in, std::size_t(c), rise, a, b, inverse_near), old));
-            lowest = hn::Min(lowest, old);
-            max_x = hn::Max(max_x, hn::IfThenElseZero(inside, hn::LoadU(d, in.max_x + c)));
-            max_z = hn::Max(max_z, hn::IfThenElseZero(inside, hn::LoadU(d, in.max_z + c)));
-            min_x = hn::IfThenElse(inside, hn::Min(min_x, hn::LoadU(d, in.min_x + c)), min_x);
-            min_z = hn::IfThenElse(inside, hn::Min(min_z, hn::LoadU(d, in.min_z + c)), min_z);
-        }
-    };
-    const int end = bound.first + bound.count;
-    range(bound.first, std::min(end, in.columns));
-    if (end > in.columns) range(0, end - in.columns);
-    Survey survey;
-    survey.raises = !hn::AllFalse(d, raises);
-    if (!survey.raises) return survey;
-    survey.lowest = hn::GetLane(hn::MinOfLanes(d, lowest));
-    survey.max_x = hn::GetLane(hn::MaxOfLanes(d, max_x));
-    survey.max_z = hn::GetLane(hn::MaxOfLanes(d, max_z));
-    survey.min_x = hn::GetLane(hn::MinOfLanes(d, min_x));
-    survey.min_z = hn::GetLane(hn::MinOfLanes(d, min_z));
-    return survey;
 }
 
 /// Fills the batch like compute_bounds, but where a square cannot raise any of its parent's columns.
@@ -189,7 +91,7 @@ std::uint32_t compute_promising(const HorizonTraceInput& in, int level, const Su
     const V zero = hn::Zero(d), lowest = hn::Set(d, survey.lowest);
     const V max_x = hn::Set(d, survey.max_x), max_z = hn::Set(d, survey.max_z);
     const V min_x = hn::Set(d, survey.min_x), min_z = hn::Set(d, survey.min_z);
-    const V inverse_near = hn::Set(d, 1.0f / in.near_squares);
+    const V inverse_near = hn::Set(d, 1.0f / in.wedges.near_distance);
     std::uint32_t bits = 0;
     for (std::size_t i = 0; i < 16; i += hn::Lanes(d)) {
         const Extent extent = extent_of(in, level, batch, i);
@@ -200,7 +102,7 @@ std::uint32_t compute_promising(const HorizonTraceInput& in, int level, const Su
         const V tangent = hn::Mul(rise, hn::IfThenElse(hn::Gt(rise, zero), above, below));
         const auto may_raise = hn::Gt(tangent, lowest);
         if (hn::AllFalse(d, may_raise)) continue;
-        compute_columns(in, level, extent, batch, i);
+        compute_columns(in.wedges, margin_scale(level), extent, batch.first + i, batch.count + i);
         std::uint8_t lanes[8] = {};
         hn::StoreMaskBits(d, may_raise, lanes);
         bits |= (std::uint32_t(lanes[0]) | std::uint32_t(lanes[1]) << 8) << i;
@@ -208,34 +110,8 @@ std::uint32_t compute_promising(const HorizonTraceInput& in, int level, const Su
     return bits;
 }
 
-template <bool kAbove>
-void raise(const HorizonTraceInput& in, const Bound& bound, float* tangents, std::uint32_t* winner) {
-    const V rise = hn::Set(d, bound.rise), a = hn::Set(d, bound.a), b = hn::Set(d, bound.b);
-    const V inverse_near = hn::Set(d, 1.0f / in.near_squares);
-    const auto id = hn::Set(di, std::int32_t(bound.z << in.size_log2 | bound.x));
-    const int end = bound.first + bound.count;
-    const auto range = [&](int first, int last) HWY_ATTR {
-        for (int c = first; c < last; c += int(hn::Lanes(d))) {
-            const V old = hn::LoadU(d, tangents + c);
-            const V tangent = tangents_of<kAbove>(in, std::size_t(c), rise, a, b, inverse_near);
-            const auto higher = hn::And(hn::Gt(tangent, old), hn::FirstN(d, std::size_t(last - c)));
-            if (hn::AllFalse(d, higher)) continue;
-            hn::StoreU(hn::IfThenElse(higher, tangent, old), d, tangents + c);
-            std::int32_t* ids = reinterpret_cast<std::int32_t*>(winner) + c;
-            hn::StoreU(hn::IfThenElse(hn::RebindMask(di, higher), id, hn::LoadU(di, ids)), di, ids);
-        }
-    };
-    if (end <= in.columns) return range(bound.first, end);
-    range(bound.first, in.columns);
-    range(0, end - in.columns);
-}
-
-HWY_INLINE void raise_any_sign(const HorizonTraceInput& in, const Bound& bound, float* tangents,
-                               std::uint32_t* winner) {
-    if (bound.rise > 0.0f)
-        raise<true>(in, bound, tangents, winner);
-    else
-        raise<false>(in, bound, tangents, winner);
+void raise_by(const HorizonTraceInput& in, const Square& square, float* tangents, std::uint32_t* winner) {
+    raise_any_sign(in.wedges, square, std::uint32_t(square.z << in.size_log2 | square.x), tangents, winner);
 }
 
 /// Collects squares of the finest level until there are sixteen, then raises the columns by them.
@@ -257,7 +133,7 @@ class Primer {
         if (count_ == 0) return;
         for (int i = count_; i < 16; ++i) batch_.x[i] = batch_.z[i] = 0, batch_.height[i] = 0.0f;
         compute_bounds(in_, in_.finest_level, batch_);
-        for (int i = 0; i < count_; ++i) raise_any_sign(in_, batch_.at(i, in_.finest_level), tangents_, winner_);
+        for (int i = 0; i < count_; ++i) raise_by(in_, batch_.at(i, in_.finest_level), tangents_, winner_);
         squares += std::uint32_t(count_);
         count_ = 0;
     }
@@ -272,7 +148,7 @@ class Primer {
 void descend_to_tallest(const HorizonTraceInput& in, int coarse, int fine, std::uint32_t* guess) {
     const std::uint32_t mask = (1u << in.size_log2) - 1;
     std::uint32_t last = kNoSquare, last_tallest = kNoSquare;
-    for (int c = 0; c < in.columns; ++c) {
+    for (int c = 0; c < in.wedges.columns; ++c) {
         if (guess[c] == kNoSquare) continue;
         if (guess[c] != last) {
             last = guess[c];
@@ -303,7 +179,7 @@ bool prime(const HorizonTraceInput& in, const std::uint32_t* guess, float* tange
     const std::uint32_t mask = (1u << in.size_log2) - 1;
     std::uint32_t last = kNoSquare;
     bool guessed = false;
-    for (int c = 0; c < in.columns; ++c) {
+    for (int c = 0; c < in.wedges.columns; ++c) {
         const std::uint32_t square = guess[c];
         if (square == last || square == kNoSquare) continue;
         last = square;
@@ -316,7 +192,7 @@ bool prime(const HorizonTraceInput& in, const std::uint32_t* guess, float* tange
 }
 
 /// Puts the sixteen squares of `level` that make up `parent` into the batch, row by row.
-void load_children(const HorizonTraceInput& in, const Bound& parent, int level, Batch& batch) {
+void load_children(const HorizonTraceInput& in, const Square& parent, int level, Batch& batch) {
     const int row = 1 << (in.size_log2 - level);
     const float* heights = in.level_heights[level] + std::ptrdiff_t(parent.z) * 4 * row + std::ptrdiff_t(parent.x) * 4;
     const hn::Full128<float> d4;
@@ -337,14 +213,14 @@ std::uint32_t walk_grid(const HorizonTraceInput& in, float* tangents, std::uint3
         coarse.finest_level = in.finest_level + 2;
         alignas(64) float coarse_tangents[kMaxHorizonColumns + 16];
         alignas(64) std::uint32_t guess[kMaxHorizonColumns + 16];
-        std::copy(tangents, tangents + in.columns + 16, coarse_tangents);
-        std::fill(guess, guess + in.columns + 16, kNoSquare);
+        std::copy(tangents, tangents + in.wedges.columns + 16, coarse_tangents);
+        std::fill(guess, guess + in.wedges.columns + 16, kNoSquare);
         squares += walk_grid(coarse, coarse_tangents, guess);
         descend_to_tallest(in, coarse.finest_level, in.finest_level, guess);
         prime(in, guess, tangents, winner, squares);
     }
 
-    Bound stack[16 * 8];
+    Square stack[16 * 8];
     int top = 0;
     Batch batch;
     // Steps go down two levels at once and end on the finest, so they start on the coarsest that allows it.
@@ -360,21 +236,20 @@ std::uint32_t walk_grid(const HorizonTraceInput& in, float* tangents, std::uint3
     for (int i = 0; i < start_row * start_row; ++i) stack[top++] = batch.at(i, start_level);
 
     while (top > 0) {
-        const Bound bound = stack[--top];
+        const Square bound = stack[--top];
         if (bound.level == in.finest_level) {  // only where the walk starts there
-            raise_any_sign(in, bound, tangents, winner);
+            raise_by(in, bound, tangents, winner);
             continue;
         }
-        const Survey survey =
-            bound.rise > 0.0f ? survey_columns<true>(in, bound, tangents) : survey_columns<false>(in, bound, tangents);
+        const Survey survey = bound.rise > 0.0f ? survey_columns<true>(in.wedges, bound, tangents)
+                                                : survey_columns<false>(in.wedges, bound, tangents);
         if (!survey.raises) continue;
         const int level = bound.level - 2;
         load_children(in, bound, level, batch);
         squares += 16;
         std::uint32_t bits = compute_promising(in, level, survey, batch);
         if (level == in.finest_level) {
-            for (; bits != 0; bits &= bits - 1)
-                raise_any_sign(in, batch.at(std::countr_zero(bits), level), tangents, winner);
+            for (; bits != 0; bits &= bits - 1) raise_by(in, batch.at(std::countr_zero(bits), level), tangents, winner);
         } else {
             // Nearest last, so that they are taken first and hide the others.
             const int half = 1 << (bound.level - 1);

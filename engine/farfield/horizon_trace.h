@@ -9,6 +9,14 @@ namespace ff::farfield {
 inline constexpr std::uint32_t kNoSquare = 0xFFFFFFFFu;
 inline constexpr int kMaxHorizonColumns = 8192;
 
+/// Bounds of |x| and |z| of the unit directions in each traced column, a little too wide; readable 16 elements beyond.
+struct HorizonWedges {
+    int columns = 0;
+    const float *max_x, *max_z, *min_x, *min_z;
+    float column_margin = 0;  ///< columns by which intervals are widened
+    float near_distance = 0;  ///< nothing counts as nearer; in the unit of the walk
+};
+
 /// All lengths in squares of level 0, all positions relative to the eye's grid corner (eye_x, eye_z) + (frac_x,
 /// frac_z).
 struct HorizonTraceInput {
@@ -19,11 +27,7 @@ struct HorizonTraceInput {
     float frac_x = 0, frac_z = 0;
     float eye_height_m = 0;  ///< over the grid's base, rounded down
     float squares_per_m = 1;
-    float near_squares = 0;
-
-    int columns = 0;
-    const float *max_x, *max_z, *min_x, *min_z;  ///< see HorizonMap; readable 16 elements beyond `columns`
-    float column_margin = 0;
+    HorizonWedges wedges;
 };
 
 /// Raises `tangents` to the maximum over all squares. Columns that are +inf on entry cost and change nothing.

@@ -9,6 +9,7 @@
 
 #include "engine/farfield/horizon_azimuth.h"
 #include "tests/farfield/horizon_worlds.h"
+#include "tests/support/worlds.h"
 
 namespace ff::farfield {
 namespace {
@@ -204,6 +205,84 @@ TEST(Horizon, no_pixel_that_a_ray_hits_is_called_sky_for_any_pitch_roll_and_eye)
             }
     }
     EXPECT_GT(double(found_sky), 0.8 * double(true_sky));
+}
+
+/// Every triangle of a scene in world coordinates relative to the eye, nearest hit not needed.
+class AllTriangles {
+  public:
+    AllTriangles(const scene::StaticScene& scene, const WorldPos& eye) {
+        for (const scene::Instance& instance : scene.instances) {
+            const scene::Mesh& mesh = scene.meshes[instance.mesh];
+            for (std::uint32_t t = mesh.first_triangle; t < mesh.first_triangle + mesh.triangle_count; ++t)
+                for (std::size_t k = 0; k < 3; ++k)
+                    corners_.push_back(DMat3(instance.world_from_mesh) *
+                                           DVec3(scene.positions[mesh.first_vertex + scene.indices[t * 3 + k]]) +
+                                       (instance.position - eye));
+        }
+    }
+    [[nodiscard]] bool meets(const DVec3& direction) const {
+        for (std::size_t i = 0; i < corners_.size(); i += 3) {
+            const DVec3 &a = corners_[i], &b = corners_[i + 1], &c = corners_[i + 2];
+            const double u = glm::dot(direction, glm::cross(a, b)), v = glm::dot(direction, glm::cross(b, c)),
+                         w = glm::dot(direction, glm::cross(c, a));
+            if (!((u >= 0 && v >= 0 && w >= 0) || (u <= 0 && v <= 0 && w <= 0)) || u + v + w == 0.0) continue;
+            const DVec3 normal = glm::cross(b - a, c - a);
+            if (glm::dot(normal, a) / glm::dot(normal, direction) > 0.0) return true;
+        }
+        return false;
+    }
+
+  private:
+    std::vector<DVec3> corners_;
+};
+
+/// Rays against every triangle of a scene whose grid squares are as large as its houses. @return share of the true sky
+/// that was found.
+double check_scene(const scene::StaticScene& scene, int seeds, double lowest_m, double highest_m, double reach_m) {
+    std::uint64_t true_sky = 0, found_sky = 0;
+    for (int seed = 0; seed < seeds; ++seed) {
+        SCOPED_TRACE(seed);
+        Random random(seed);
+        Camera camera;
+        camera.position =
+            scene.origin + DVec3(random.between(-reach_m, reach_m), 0.0, random.between(-reach_m, reach_m));
+        camera.position.y = random.between(lowest_m, highest_m);
+        camera.yaw = random.between(-kPi, kPi);
+        camera.pitch = random.between(-0.3, 1.2);
+        camera.roll = random.between(-1.0, 1.0);
+        const PinholeView view = make_view(camera, 48, 36);
+        HorizonMap map({.columns = seed % 5 == 4 ? 256 : 1280, .subsample = seed % 7 == 6 ? 2 : 1});
+        map.update(scene, view);
+        PixelMask sky;
+        find_sky_pixels(view, map, sky);
+        const AllTriangles triangles(scene, camera.position);
+        for (int y = 0; y < view.height; ++y)
+            for (int x = 0; x < view.width; ++x) {
+                const bool called_sky = sky.test(x, y), hit = triangles.meets(DVec3(view.direction(x, y)));
+                if (hit && called_sky) {
+                    ADD_FAILURE() << "pixel " << x << ", " << y;
+                    return 0.0;
+                }
+                true_sky += hit ? 0 : 1;
+                found_sky += called_sky ? 1 : 0;
+            }
+    }
+    return double(found_sky) / double(std::max<std::uint64_t>(1, true_sky));
+}
+
+TEST(Horizon, keeps_the_sky_of_a_street_whose_grid_squares_hold_houses) {
+    const scene::SceneData city =
+        test::make_city({.cells = 3, .subdivisions = 2}, {.origin = {3e5, 12.0, -2e5}, .height_grid_size = 16});
+    EXPECT_GT(check_scene(city.view(), 30, city.view().bounds.low.y + 1.0, city.view().bounds.low.y + 3.0, 400.0), 0.7);
+}
+
+TEST(Horizon, keeps_the_sky_of_hills_and_of_a_wood) {
+    const scene::SceneData hills = test::make_terrain({.spacing_m = 60.0}, {.height_grid_size = 64});
+    EXPECT_GT(check_scene(hills.view(), 20, 90.0, 200.0, 900.0), 0.9);
+    const scene::SceneData wood = test::make_forest({.trees = 60, .leaves = 20}, {.height_grid_size = 16});
+    check_scene(wood.view(), 15, 0.5, 30.0, 120.0);
+    const scene::SceneData soup = test::make_triangle_soup({.triangles = 300, .edge_m = 8.0}, {.height_grid_size = 16});
+    check_scene(soup.view(), 40, -12.0, 12.0, 14.0);
 }
 
 TEST(Horizon, columns_of_a_view_hold_every_pixel_of_it) {
