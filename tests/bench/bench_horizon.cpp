@@ -5,6 +5,7 @@
 
 #include "engine/farfield/horizon.h"
 #include "tests/farfield/horizon_worlds.h"
+#include "tests/support/worlds.h"
 
 namespace {
 
@@ -51,6 +52,26 @@ void all_azimuths_from_nothing(benchmark::State& state) {
     }
 }
 BENCHMARK(all_azimuths_from_nothing)->Arg(2)->Arg(80)->Arg(1000)->ArgName("eye_m")->Unit(benchmark::kMicrosecond);
+
+/// In a street of a town whose grid squares (64 m) hold houses: the scene's boxes around the eye count, too.
+void all_azimuths_in_a_street(benchmark::State& state) {
+    static const scene::SceneData town = test::make_city({.cells = 8, .subdivisions = 4}, {.height_grid_size = 64});
+    const scene::StaticScene scene = town.view();
+    HorizonMap map({.fine_squares = int(state.range(0))});
+    int frame = 0;
+    farfield::HorizonCost cost;
+    for (auto _ : state) {
+        cost = map.update(scene, scene.origin + DVec3(0.05 * (frame++ % 1000), 2.0 - scene.origin.y, 3.0),
+                          {0, map.settings().columns});
+        benchmark::DoNotOptimize(map.tangents().data());
+    }
+    double known = 0.0;
+    for (const float tangent : map.tangents()) known += tangent < 10.0f ? 1.0 : 0.0;
+    state.counters["boxes"] = double(cost.boxes);
+    state.counters["squares"] = double(cost.squares);
+    state.counters["columns_with_sky_pct"] = 100.0 * known / double(map.settings().columns);
+}
+BENCHMARK(all_azimuths_in_a_street)->Arg(0)->Arg(1)->Arg(3)->ArgName("fine_squares")->Unit(benchmark::kMicrosecond);
 
 PinholeView view_at(int frame, double height, double pitch, double roll) {
     Camera camera;
