@@ -11,6 +11,7 @@
 #include "engine/core/check.h"
 #include "engine/core/jobs.h"
 #include "engine/core/log.h"
+#include "engine/core/stopwatch.h"
 #include "engine/math/types.h"
 #include "tools/cook/assemble_cells.h"
 #include "tools/cook/assemble_materials.h"
@@ -228,6 +229,11 @@ scene::WorldInfo world_info(const WorldSource& source) {
 
 Result<Assembly> assemble(WorldSource source, const AssembleSettings& settings, CookContext& context) {
     Assembly assembly;
+    Stopwatch stage;
+    const auto end_stage = [&](const char* name) {
+        assembly.stages.push_back({name, stage.seconds()});
+        stage.restart();
+    };
     scene::SceneData& out = assembly.scene;
     assembly.info = world_info(source);
     out.environment = source.environment;
@@ -236,10 +242,12 @@ Result<Assembly> assemble(WorldSource source, const AssembleSettings& settings, 
     FF_ASSIGN(const SortedPlacements sorted, sort_placements(source, settings));
     const std::vector<std::uint16_t> material_ids = add_materials(source, used_materials(source), out);
     source.textures = {};
+    end_stage("mip-map textures");
 
     const CellGrid grid(settings.largest_cell_m, settings.smallest_cell_m);
     FF_ASSIGN(std::vector<CellEntry> entries, make_entries(source, sorted, grid));
     const std::vector<CellRange> cells = grid.divide(entries, settings.cell_triangles);
+    end_stage("divide into cells");
 
     // Cells' meshes first, then those of instances and dynamic objects: slots of one array, filled in any order.
     std::vector<std::uint32_t> whole_meshes;
@@ -266,6 +274,7 @@ Result<Assembly> assemble(WorldSource source, const AssembleSettings& settings, 
     }
     source.meshes = {};
     assembly.dropped_triangles = dropped;
+    end_stage("prepare meshes");
 
     // Slots that came out empty (all degenerate, or a cell of instances alone) get no mesh.
     constexpr std::uint32_t kNone = ~0u;
@@ -298,7 +307,9 @@ Result<Assembly> assemble(WorldSource source, const AssembleSettings& settings, 
             assembly.info.dynamic_instances.push_back({mesh, placement.position, placement.world_from_mesh});
     }
     entries = {};
+    end_stage("join");
     out.finish(settings.height_grid_size);
+    end_stage("finish scene");
     return assembly;
 }
 

@@ -8,7 +8,6 @@
 #include "engine/core/jobs.h"
 #include "engine/core/stopwatch.h"
 #include "engine/scene/save_world.h"
-#include "tools/cook/assemble.h"
 #include "tools/cook/cook_copies.h"
 #include "tools/cook/gltf_import.h"
 #include "tools/cook/scene_toml.h"
@@ -93,7 +92,8 @@ Result<CookReport> cook(const std::filesystem::path& source, const std::filesyst
     end_stage("read sources");
     report.bytes_in = world.bytes_in;
     FF_ASSIGN(const Assembly assembly, assemble(std::move(world), {}, context));
-    end_stage("assemble");
+    report.stages.insert(report.stages.end(), assembly.stages.begin(), assembly.stages.end());
+    stage.restart();
     count_scene(assembly, report);
     FF_ASSIGN(report.bytes_out, scene::write_world(out, assembly.scene, assembly.info));
     end_stage("write pack");

@@ -8,6 +8,7 @@
 
 #include "engine/core/result.h"
 #include "engine/scene/scene_data.h"
+#include "tools/cook/assemble.h"
 #include "tools/cook/cook_context.h"
 #include "tools/cook/world_source.h"
 
@@ -19,11 +20,6 @@ struct CookSettings {
     std::filesystem::path cache_dir;  ///< empty: CookCache::default_directory()
     bool use_cache = true;
     std::uint64_t cache_limit_bytes = 8ull << 30;
-};
-
-struct CookStage {
-    std::string name;
-    double seconds = 0;
 };
 
 /// What a cook did; to_json() is `ff cook --json`.

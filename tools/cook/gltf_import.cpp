@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "engine/core/jobs.h"
+#include "engine/core/log.h"
 #include "tools/cook/gltf_material.h"
 #include "tools/cook/gltf_mesh.h"
 #include "tools/cook/gltf_nodes.h"
@@ -151,8 +152,11 @@ Result<Model> import_checked(const std::filesystem::path& path, WorldSource& int
 
     FF_ASSIGN(ImportedMaterials materials, read_materials(file, data, context));
     std::vector<std::optional<Result<scene::MeshSource>>> read(gltf_meshes.size());
-    parallel_for(gltf_meshes.size(),
-                 [&](std::size_t i) { read[i].emplace(read_mesh(data, gltf_meshes[i], materials, context)); });
+    Progress progress("reading meshes", gltf_meshes.size());
+    parallel_for(gltf_meshes.size(), [&](std::size_t i) {
+        read[i].emplace(read_mesh(data, gltf_meshes[i], materials, context));
+        progress.advance();
+    });
     std::vector<scene::MeshSource> meshes;
     for (auto& mesh : read) {
         if (!*mesh) return mesh->error();

@@ -41,7 +41,8 @@ struct Model {
 ///
 /// Errors: bad_input `FILE: PLACE: found; expected ...` for anything that breaks the format, requires an unknown
 /// extension, or would read beyond its buffer; `into` is then unchanged.
-/// Cached by the bytes of all files of the model. Threads: one import at a time into one WorldSource; parallel inside.
+/// Images are cached by their bytes; the rest reads about a million triangles a second. Threads: one import at a time
+/// into one WorldSource; parallel inside.
 [[nodiscard]] Result<Model> import_gltf(const std::filesystem::path& path, WorldSource& into, CookContext& context);
 
 /// Places every part of a model in the world: world_from_model * part. Kind `merge` for static things placed once.

@@ -9,6 +9,7 @@
 #include <tuple>
 
 #include "engine/core/jobs.h"
+#include "engine/core/log.h"
 #include "tools/cook/image_load.h"
 
 namespace ff::cook {
@@ -92,8 +93,10 @@ class TextureSet {
             FF_ASSIGN(bytes[i], image_bytes(images[i]));
         }
         std::vector<std::optional<Result<SourceTexture>>> decoded(images.size());
+        Progress progress("decoding images", images.size());
         parallel_for(images.size(), [&](std::size_t i) {
             decoded[i] = decode_texture(bytes[i], fmt::format("{}: images[{}]", file_.name, images[i]), context);
+            progress.advance();
         });
         for (const auto& image : decoded)
             if (!*image) return image->error();
