@@ -88,8 +88,9 @@ struct Tile {
     alignas(64) float best[256];  // 1/depth; 0: sky; +inf where nobody asked
     alignas(64) std::uint32_t instance[256];
     alignas(64) std::uint32_t triangle[256];
-    float min_best = 0.0f;                                                   // of the farthest pixel
-    float far = kInf;                                                        // its depth, rounded up
+    float quarter_best[4] = {};  // of the farthest pixel of each 8 x 8: top left, top right, bottom left, bottom right
+    float min_best = 0.0f;       // of the farthest pixel
+    float far = kInf;            // its depth, rounded up
     float first_column = 0, last_column = 15, first_row = 0, last_row = 15;  // bounds of the pixels asked for
     bool changed = false;
 };
@@ -296,6 +297,18 @@ HWY_INLINE VF max3(VF a, VF b, VF c) {
     return hn::Max(a, hn::Max(b, c));
 }
 
+// The farthest 1/depth that the tile still has in the quarters that bounds in pixels touch.
+HWY_INLINE VF farthest_under(VF x0, VF x1, VF y0, VF y1, const Tile& tile) {
+    const VF middle = hn::Set(f, 8.0f), none = hn::Set(f, kInf);
+    const MF left = hn::Lt(x0, middle), right = hn::Ge(x1, middle);
+    const auto of_row = [&](int quarter) {
+        return hn::Min(hn::IfThenElse(left, hn::Set(f, tile.quarter_best[quarter]), none),
+                       hn::IfThenElse(right, hn::Set(f, tile.quarter_best[quarter + 1]), none));
+    };
+    return hn::Min(hn::IfThenElse(hn::Lt(y0, middle), of_row(0), none),
+                   hn::IfThenElse(hn::Ge(y1, middle), of_row(2), none));
+}
+
 // Sets up kLanes triangles from `first` on; returns those that may win a pixel, as bits.
 // @tparam kProjected  every vertex of the leaf can be projected.
 template <bool kProjected>
@@ -347,8 +360,8 @@ HWY_INLINE std::uint32_t set_up(const BvhLeaf& leaf, int first, const Tile& tile
     x1 = hn::Min(x1, hn::Set(f, tile.last_column));
     y0 = hn::Max(y0, hn::Set(f, tile.first_row));
     y1 = hn::Min(y1, hn::Set(f, tile.last_row));
-    MF alive =
-        hn::And(valid, hn::And(hn::And(hn::Le(x0, x1), hn::Le(y0, y1)), hn::Ge(high, hn::Set(f, tile.min_best))));
+    MF alive = hn::And(valid, hn::And(hn::Le(x0, x1), hn::Le(y0, y1)));
+    alive = hn::And(alive, hn::Ge(high, farthest_under(x0, x1, y0, y1, tile)));
     if (hn::AllFalse(f, alive)) return 0;
 
     // Edge k lies opposite of corner k.
@@ -497,9 +510,18 @@ HWY_INLINE void draw(const LeafScratch& s, int i, std::uint32_t instance, std::u
 }
 
 HWY_INLINE void find_farthest(Tile& tile) {
-    VF least = hn::Load(f, tile.best);
-    for (int i = kLanes; i < 256; i += kLanes) least = hn::Min(least, hn::Load(f, tile.best + i));
-    tile.min_best = hn::GetLane(hn::MinOfLanes(f, least));
+    tile.min_best = kInf;
+    for (int quarter = 0; quarter < 4; ++quarter) {
+        const float* first = tile.best + (quarter / 2) * 128 + (quarter % 2) * 8;
+        const hn::CappedTag<float, 8> eight;
+        auto least = hn::Load(eight, first);
+        for (int row = 0; row < 8; ++row) {
+            for (int x = 0; x < 8; x += int(hn::MaxLanes(eight)))
+                least = hn::Min(least, hn::Load(eight, first + row * 16 + x));
+        }
+        tile.quarter_best[quarter] = hn::GetLane(hn::MinOfLanes(eight, least));
+        tile.min_best = std::min(tile.min_best, tile.quarter_best[quarter]);
+    }
     tile.far = 1.000001f / tile.min_best;
     tile.changed = false;
 }
@@ -555,6 +577,7 @@ HWY_INLINE bool begin_tile(const PinholeView& view, const TileRequest& request, 
     tile.last_column = float(31 - std::countl_zero(any_column));
     tile.first_row = float(std::countr_zero(any_row));
     tile.last_row = float(31 - std::countl_zero(any_row));
+    find_farthest(tile);
     return true;
 }
 
@@ -564,14 +587,23 @@ HWY_INLINE void write_tile(const Tile& tile, const TileRequest& request, const s
         if (rows[row] == 0) continue;
         for (int chunk = 0; chunk < kTileSize; chunk += kLanes) {
             const std::uint32_t bits = std::uint32_t(rows[row]) >> chunk;
-            const std::uint8_t bytes[8] = {std::uint8_t(bits), std::uint8_t(bits >> 8)};
-            const MF asked = hn::LoadMaskBits(f, bytes);
-            const auto asked_u = hn::RebindMask(ui, asked);
             const int at = row * 16 + chunk;
             const std::size_t to = out.index(request.x + chunk, request.y + row);
-            hn::BlendedStore(hn::Div(hn::Set(f, 1.0f), hn::Load(f, tile.best + at)), asked, f, out.depth.data() + to);
-            hn::BlendedStore(hn::Load(ui, tile.instance + at), asked_u, ui, out.instance.data() + to);
-            hn::BlendedStore(hn::Load(ui, tile.triangle + at), asked_u, ui, out.triangle.data() + to);
+            const VF depth = hn::Div(hn::Set(f, 1.0f), hn::Load(f, tile.best + at));
+            const auto instance = hn::Load(ui, tile.instance + at), triangle = hn::Load(ui, tile.triangle + at);
+            constexpr std::uint32_t kAll = (1u << kLanes) - 1u;
+            if ((bits & kAll) == kAll) {
+                hn::StoreU(depth, f, out.depth.data() + to);
+                hn::StoreU(instance, ui, out.instance.data() + to);
+                hn::StoreU(triangle, ui, out.triangle.data() + to);
+            } else {  // masked stores are slow on some machines, but leave what others may be writing
+                const std::uint8_t bytes[8] = {std::uint8_t(bits), std::uint8_t(bits >> 8)};
+                const MF asked = hn::LoadMaskBits(f, bytes);
+                const auto asked_u = hn::RebindMask(ui, asked);
+                hn::BlendedStore(depth, asked, f, out.depth.data() + to);
+                hn::BlendedStore(instance, asked_u, ui, out.instance.data() + to);
+                hn::BlendedStore(triangle, asked_u, ui, out.triangle.data() + to);
+            }
         }
     }
 }

@@ -30,11 +30,6 @@ float half_area(const Box3& box) {
     return e.x * e.y + e.y * e.z + e.z * e.x;
 }
 
-// What a subtree of so many primitives will cost, in leaves: near the bottom only whole leaves count.
-float leaf_count_of(std::size_t count) {
-    return float((count + BvhLeaf::kMaxTriangles - 1) / BvhLeaf::kMaxTriangles);
-}
-
 struct Split {
     int axis = -1;
     int bin = 0;  // the first bin of the right side
@@ -112,6 +107,11 @@ class BinaryBuilder {
         return std::size_t(middle - range.begin());
     }
 
+    // What a subtree of so many primitives will cost, in leaves: near the bottom only whole leaves count.
+    [[nodiscard]] float leaf_count_of(std::size_t count) const {
+        return float((count + settings_.usual_leaf_primitives - 1) / settings_.usual_leaf_primitives);
+    }
+
     static float bin_scale(const Box3& centroids, int axis) {
         const float extent = centroids.high[axis] - centroids.low[axis];
         return extent > 0.0f && std::isfinite(extent) ? float(kBins) * 0.9999f / extent : 0.0f;
@@ -121,7 +121,7 @@ class BinaryBuilder {
         return bin > 0.0f ? std::min(int(std::min(bin, float(kBins))), kBins - 1) : 0;  // a NaN goes into bin 0
     }
 
-    Split find_split(std::span<const BuildPrimitive> range, const Box3& centroids) const {
+    [[nodiscard]] Split find_split(std::span<const BuildPrimitive> range, const Box3& centroids) const {
         std::array<std::array<Box3, kBins>, 3> boxes;
         std::array<std::array<std::uint32_t, kBins>, 3> counts{};
         Vec3 scale;

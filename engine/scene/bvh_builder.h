@@ -22,6 +22,8 @@ using LeafFits = std::function<bool(std::span<const BuildPrimitive>)>;
 
 struct BvhBuildSettings {
     std::uint32_t max_leaf_primitives = BvhLeaf::kMaxTriangles;
+    /// How many usually fit a leaf, for the cost of a split. [1, max_leaf_primitives]
+    std::uint32_t usual_leaf_primitives = BvhLeaf::kMaxTriangles;
     /// A leaf that fits is split all the same if its halves' areas add up to less than this part of its own. [0, 1]
     float split_gain = 0.5f;
 };
