@@ -31,12 +31,13 @@ constexpr FeatureName kFeatureNames[] = {
     {kFeatureRoughnessTexture, "#define ROUGHNESS_TEXTURE\n"},
     {kFeatureEmissiveTexture, "#define EMISSIVE_TEXTURE\n"},
     {kFeatureVertexColor, "#define VERTEX_COLOR\n"},
+    {kFeatureFog, "#define FOG\n"},
 };
 
 }  // namespace
 
-std::uint32_t features_of(const scene::Material& material, bool has_vertex_colors) {
-    std::uint32_t features = has_vertex_colors ? kFeatureVertexColor : 0u;
+std::uint32_t features_of(const scene::Material& material, bool has_vertex_colors, bool has_fog) {
+    std::uint32_t features = (has_vertex_colors ? kFeatureVertexColor : 0u) | (has_fog ? kFeatureFog : 0u);
     const auto add = [&](bool wanted, MaterialFeatures feature) {
         if (wanted) features |= feature;
     };
@@ -54,9 +55,10 @@ std::uint32_t features_of(const scene::Material& material, bool has_vertex_color
 
 Result<MaterialPrograms> make_shaded_programs(const scene::StaticScene& scene, bool has_vertex_colors) {
     MaterialPrograms out;
+    const bool has_fog = scene.environment.fog_density_per_m > 0.0f;
     std::vector<std::uint32_t> features_of_program;
     for (const scene::Material& material : scene.materials) {
-        const std::uint32_t features = features_of(material, has_vertex_colors);
+        const std::uint32_t features = features_of(material, has_vertex_colors, has_fog);
         const auto known = std::find(features_of_program.begin(), features_of_program.end(), features);
         out.program_of.push_back(std::uint32_t(known - features_of_program.begin()));
         if (known != features_of_program.end()) continue;

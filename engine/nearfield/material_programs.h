@@ -23,12 +23,13 @@ enum MaterialFeatures : std::uint32_t {
     kFeatureRoughnessTexture = 1u << 5,
     kFeatureEmissiveTexture = 1u << 6,
     kFeatureVertexColor = 1u << 7,
+    kFeatureFog = 1u << 8,
 };
 
 /// Size of a material's block in shaders/material.glsl.
 inline constexpr std::size_t kMaterialUniformBytes = 48;
 
-[[nodiscard]] std::uint32_t features_of(const scene::Material& material, bool has_vertex_colors);
+[[nodiscard]] std::uint32_t features_of(const scene::Material& material, bool has_vertex_colors, bool has_fog);
 
 struct MaterialPrograms {
     std::vector<gl::Program> programs;

@@ -53,7 +53,6 @@ void main() {
     vec3 facing = view.right.xyz * surface.normal.x + view.up.xyz * surface.normal.y + view.back.xyz * surface.normal.z;
     vec3 normal = dot(v_normal, facing) < 0.0 ? -v_normal : v_normal;
     s.normal = normalize(normal);
-    float distance_m = ray_length / gl_FragCoord.w;
 #ifdef UNLIT
     vec3 shaded = shade_unlit(s);
 #elif defined(SPECULAR)
@@ -69,7 +68,10 @@ void main() {
 #else
     vec3 shaded = shade_diffuse(s);
 #endif
-    color.rgb = encode_srgb(add_fog(shaded, distance_m));
+#ifdef FOG
+    shaded = add_fog(shaded, ray_length / gl_FragCoord.w);
+#endif
+    color.rgb = encode_srgb(shaded);
 #ifdef BLEND
     color.a = base.a;
 #else
