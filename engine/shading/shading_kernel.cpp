@@ -1,6 +1,7 @@
 // The deferred shading of tiles: collect the triangles of a tile, set each up once, then shade its pixels a vector at a
 // time. The model is in README.md; shade_reference.cpp is the same in plain scalar code.
 
+#define HWY_DISABLED_TARGETS HWY_AVX3_DL  // nothing here that AVX-512 proper lacks; a fifth of the build time
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "engine/shading/shading_kernel.cpp"
 #include <hwy/foreach_target.h>
@@ -141,7 +142,7 @@ HWY_INLINE Rgb shade_surface(const ShadeFrame& frame, const Records<kOneTriangle
     // Edge on or degenerate: any point of the triangle will do.
     const VF safe = hn::IfThenElse(hn::Lt(hn::Abs(s), splat(1e-12f)), splat(1e-12f), s);
     const VF inverse = hn::Div(splat(1.0f), safe);
-    const bool varies = bits & (kLaneTextured | kLanePixelLit | kLaneVertexColor);
+    const bool varies = bits & (kLaneTextured | kLanePixelLit | kLaneVertexColor | kLaneEmissive);
     VF b1 = hn::Zero(df), b2 = hn::Zero(df), footprint = hn::Zero(df);
     if (varies) {
         b1 = clamp01(hn::Mul(records.affine(kRowW1, rays.u, rays.v), inverse));

@@ -28,10 +28,13 @@ HWY_INLINE Rgb gradient_sky(const ShadingUniforms& uniforms, VF x, VF y, VF z) {
                                  hn::MulAdd(y, splat(uniforms.to_sun.y), hn::Mul(z, splat(uniforms.to_sun.z))));
     const VF cosine = hn::Max(toward, hn::Zero(df));
     const VF wide = square_times<3>(cosine);  // cos^8
-    const VF narrow = square_times<4>(wide);  // cos^128
-    const VF disc = clamp01(hn::Mul(hn::Sub(cosine, splat(kSunDiscEdge)), splat(1.0f / (kSunDiscFull - kSunDiscEdge))));
-    VF sun = hn::MulAdd(wide, splat(kSunGlowWide), hn::Mul(narrow, splat(kSunGlowNarrow)));
-    sun = hn::MulAdd(hn::Mul(disc, disc), splat(kSunDisc), sun);
+    VF sun = hn::Mul(wide, splat(kSunGlowWide));
+    if (!hn::AllFalse(df, hn::Gt(cosine, splat(0.9f)))) {  // else cos^128 < 2e-6
+        const VF disc =
+            clamp01(hn::Mul(hn::Sub(cosine, splat(kSunDiscEdge)), splat(1.0f / (kSunDiscFull - kSunDiscEdge))));
+        sun = hn::MulAdd(square_times<4>(wide), splat(kSunGlowNarrow), sun);  // cos^128
+        sun = hn::MulAdd(hn::Mul(disc, disc), splat(kSunDisc), sun);
+    }
     // Haze hides the sun below the horizon.
     sun = hn::Mul(sun, clamp01(hn::MulAdd(y, splat(kHazeRate), splat(1.0f))));
     return multiply_add(sun, splat(uniforms.sun_radiance), sky_gradient(uniforms, y));

@@ -142,8 +142,9 @@ TEST(shading, beyond_the_prelit_distance_a_triangle_has_one_colour) {
             const std::size_t at = visibility.index(int(i), y);
             if (visibility.instance[at] != farfield::kSkyInstance &&
                 visibility.instance[at] == visibility.instance[at - 1] &&
-                visibility.triangle[at] == visibility.triangle[at - 1])
+                visibility.triangle[at] == visibility.triangle[at - 1]) {
                 ASSERT_EQ(image.pixels[at], image.pixels[at - 1]);
+            }
         }
 }
 
