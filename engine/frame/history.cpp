@@ -3,7 +3,6 @@
 namespace ff::frame {
 
 void FrameHistory::reset(int width, int height) {
-    costs = {};
     governor = {};
     outlook = {};
     horizon.invalidate();

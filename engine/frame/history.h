@@ -9,6 +9,7 @@
 #include "engine/budget/cost_model.h"
 #include "engine/budget/governor.h"
 #include "engine/farfield/horizon.h"
+#include "engine/farfield/opacity_buffer.h"
 #include "engine/farfield/panorama.h"
 #include "engine/farfield/pixel_mask.h"
 #include "engine/farfield/ray_caster.h"
@@ -16,6 +17,7 @@
 #include "engine/frame/stats.h"
 #include "engine/math/camera.h"
 #include "engine/shading/shading_pass.h"
+#include "engine/visibility/culler.h"
 
 namespace ff::frame {
 
@@ -29,6 +31,8 @@ struct FrameHistory {
     budget::Governor governor;
     budget::Outlook outlook;  ///< drawn from the last frame's visibility
     farfield::HorizonMap horizon;
+    farfield::OpacityRaster opacity;
+    visibility::VisibleSet visible;  ///< scratch: what the near field may see
     farfield::VisibilityBuffer visibility;
     std::unique_ptr<farfield::Panorama> panorama;  ///< made when a plan first asks for it
     shading::Image panorama_colors;                ///< where its texels are shaded
@@ -37,13 +41,15 @@ struct FrameHistory {
     std::vector<farfield::TileRequest> requests;  ///< scratch: what is to be cast
     std::vector<farfield::TileRequest> to_shade;  ///< scratch: what no cached colour answers
     std::vector<farfield::TileRequest> all_tiles;
+    bool can_rasterise = false;  ///< there is OpenGL to draw a near field with
     bool has_frame = false;
     int rest_frames = 0;  ///< frames since the viewer last moved
     PinholeView last_view;
     FrameStats last_stats;
     std::uint64_t frame_number = 0;
 
-    /// Forgets everything but the settings of its parts; sizes all scratch for images of this size.
+    /// Forgets everything but costs, which are the machine's, and what it can do; sizes all scratch for images of this
+    /// size.
     void reset(int width, int height);
 };
 

@@ -107,8 +107,9 @@ void plan_frame(const scene::StaticScene& scene, std::span<const scene::Instance
         choice = history.governor.choose(history.outlook, settings.deterministic ? budget::CostModel{} : history.costs,
                                          settings.budget_ms);
     }
-    plan.near_m = settings.fixed_near_m.value_or(choice.near_m);
+    plan.near_m = history.can_rasterise ? settings.fixed_near_m.value_or(choice.near_m) : 0.0;
     plan.rasterise = plan.near_m > 0.0;
+    plan.software_opacity = settings.opacity == OpacityKind::software;
     plan.fill_panorama = settings.use_panorama && history.rest_frames >= kRestFrames;
     plan.look_up_panorama = settings.use_panorama && (choice.look_up_panorama || plan.fill_panorama);
     plan.ray_budget = choice.ray_budget;

@@ -25,6 +25,7 @@ class Renderer {
     [[nodiscard]] const FrameHistory& history() const { return history_; }
 
   private:
+    visibility::Culler culler_;
     Tools tools_;
     int width_, height_;
     FrameHistory history_;

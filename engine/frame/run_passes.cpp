@@ -2,7 +2,10 @@
 
 #include <bit>
 
+#include "engine/core/check.h"
+#include "engine/core/log.h"
 #include "engine/core/stopwatch.h"
+#include "engine/nearfield/near_renderer.h"
 
 namespace ff::frame {
 namespace {
@@ -41,6 +44,13 @@ void mark_sky(const PixelMask& sky, farfield::VisibilityBuffer& visibility) {
             }
         }
     }
+}
+
+/// Takes the pixels of one mask out of another.
+void remove(const PixelMask& from_here, PixelMask& mask) {
+    for (std::size_t t = 0; t < mask.tiles.size(); ++t)
+        for (int row = 0; row < kTileSize; ++row)
+            mask.tiles[t].rows[row] = std::uint16_t(mask.tiles[t].rows[row] & ~from_here.tiles[t].rows[row]);
 }
 
 /// The tiles' pixels that none of the masks has answered; tiles that are done are left out.
@@ -87,6 +97,50 @@ std::uint64_t count_misses(std::span<const TileRequest> requests, const farfield
             misses += std::uint64_t(std::popcount(sky & request.rows[row]));
         }
     return misses;
+}
+
+/// OpenGL ran out of something in the middle of a frame: the frame goes on without it.
+void report(const Status& status) {
+    if (!status) log_warning("near field: {}", status.error().message);
+}
+
+nearfield::DrawSet cull(const FramePlan& plan, const Tools& tools, FrameHistory& history) {
+    tools.culler.cull(plan.view, plan.dynamic, history.visible, plan.near_m);
+    return {.instances = history.visible.instances, .dynamic = plan.dynamic};
+}
+
+/// Modes raster and near: the whole picture by OpenGL.
+void draw_by_rasteriser(const FramePlan& plan, const Tools& tools, FrameHistory& history, shading::Image& image,
+                        FrameStats& stats) {
+    const TimedPass timed(stats, Pass::near_field);
+    nearfield::NearStats near_stats;
+    report(tools.near_renderer->render_shaded(plan.view, cull(plan, tools, history), image, near_stats));
+    stats.near_triangles = near_stats.triangles;
+    stats.near_draws = near_stats.draws;
+    stats.pixels.near_field = std::uint64_t(plan.view.width) * std::uint64_t(plan.view.height);
+}
+
+/// The near field's ids and depths, and which pixels it covers.
+void draw_near_field(const FramePlan& plan, const Tools& tools, FrameHistory& history, FrameStats& stats) {
+    PixelMask& covered = history.sources.near_field;
+    {
+        const TimedPass timed(stats, Pass::near_field);
+        nearfield::NearStats near_stats;
+        report(tools.near_renderer->render_ids(plan.view, cull(plan, tools, history), history.visibility, near_stats));
+        stats.near_triangles = near_stats.triangles;
+        stats.near_draws = near_stats.draws;
+    }
+    const TimedPass timed(stats, Pass::opacity);
+    const farfield::VisibilityBuffer& visibility = history.visibility;
+    farfield::opacity_from_depth(visibility.depth.data(), visibility.stride, visibility.width, visibility.height,
+                                 farfield::EmptyDepth::infinite, covered);
+    stats.pixels.near_field = covered.count();
+    if (plan.software_opacity) {
+        history.opacity.draw(tools.scene, plan.dynamic, history.visible.instances, plan.view, covered);
+        const std::uint64_t known = covered.count();
+        stats.opacity_missed = stats.pixels.near_field - std::min(known, stats.pixels.near_field);
+        stats.pixels.near_field = known;
+    }
 }
 
 shading::ShadeSettings shade_settings(const FramePlan& plan) {
@@ -160,18 +214,32 @@ farfield::RayCaster& Casters::get(CasterKind kind) {
 
 FrameStats run_passes(const FramePlan& plan, const Tools& tools, FrameHistory& history, shading::Image& image) {
     FrameStats stats;
-    const Stopwatch frame_watch;
     farfield::VisibilityBuffer& visibility = history.visibility;
     SourceMasks& sources = history.sources;
     for (PixelMask* mask : {&sources.near_field, &sources.sky, &sources.panorama, &sources.cast})
         mask->reset(plan.view.width, plan.view.height);
+
+    if (plan.mode == Mode::raster || plan.mode == Mode::near) {
+        FF_CHECK(tools.near_renderer != nullptr, "mode raster needs OpenGL");
+        draw_by_rasteriser(plan, tools, history, image, stats);
+        stats.near_m = plan.near_m;
+        return stats;
+    }
+
+    // Near field: what is close enough that triangles are cheaper than pixels.
+    if (plan.rasterise) {
+        FF_CHECK(tools.near_renderer != nullptr, "a near field needs OpenGL");
+        draw_near_field(plan, tools, history, stats);
+    }
 
     // Sky: pixels above the skyline.
     if (plan.trace_horizon) {
         const TimedPass timed(stats, Pass::horizon);
         history.horizon.set_quality(0.0f, plan.horizon_subsample);
         history.horizon.update(tools.scene.height_grid, plan.view);
-        stats.pixels.sky = farfield::find_sky_pixels(plan.view, history.horizon, sources.sky);
+        farfield::find_sky_pixels(plan.view, history.horizon, sources.sky);
+        remove(sources.near_field, sources.sky);
+        stats.pixels.sky = sources.sky.count();
         mark_sky(sources.sky, visibility);
     }
 
@@ -215,7 +283,6 @@ FrameStats run_passes(const FramePlan& plan, const Tools& tools, FrameHistory& h
 
     stats.near_m = plan.near_m;
     stats.ray_budget = plan.ray_budget;
-    stats.frame_ms = frame_watch.milliseconds();
     return stats;
 }
 

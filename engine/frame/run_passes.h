@@ -4,6 +4,7 @@
 #include "engine/frame/plan.h"
 #include "engine/frame/stats.h"
 #include "engine/shading/shading_pass.h"
+#include "engine/visibility/culler.h"
 
 namespace ff::nearfield {
 class NearRenderer;
@@ -26,6 +27,7 @@ class Casters {
 struct Tools {
     const scene::StaticScene& scene;
     Casters& casters;
+    const visibility::Culler& culler;
     nearfield::NearRenderer* near_renderer = nullptr;
 };
 

@@ -179,8 +179,10 @@ json report_of(const ModeRun& run, std::size_t frames, int laps) {
 }  // namespace
 
 Status run_bench(const BenchOptions& options) {
+    std::vector<frame::Mode> modes;
+    for (const std::string& name : options.modes) modes.push_back(kModes.at(name));
     const Stopwatch open_watch;
-    FF_ASSIGN(const std::unique_ptr<Session> session, Session::open(options.view, true));
+    FF_ASSIGN(const std::unique_ptr<Session> session, Session::open(options.view, modes));
     const double open_seconds = open_watch.seconds();
     const std::size_t frames = options.max_frames > 0
                                    ? std::min(std::size_t(options.max_frames), session->walk().frames.size())

@@ -7,7 +7,8 @@
 namespace ff::tool {
 
 Status run_render(const RenderOptions& options) {
-    FF_ASSIGN(const std::unique_ptr<Session> session, Session::open(options.view, true));
+    FF_ASSIGN(const std::unique_ptr<Session> session,
+              Session::open(options.view, std::span(&options.view.frame.mode, 1)));
     const std::size_t frames = session->walk().frames.size();
     if (std::size_t(options.frame) >= frames)
         return usage_error(fmt::format("--frame {}: the walk '{}' has frames 0 to {}", options.frame,

@@ -3,9 +3,13 @@
 #include <fmt/format.h>
 
 #include <cstdlib>
+#include <optional>
 
 #include "engine/core/hash.h"
 #include "engine/core/log.h"
+#include "engine/gl/device.h"
+#include "engine/nearfield/near_renderer.h"
+#include "engine/platform/headless.h"
 #include "engine/scene/instance_bounds.h"
 #include "engine/scene/load_world.h"
 #include "tools/cook/cook.h"
@@ -74,21 +78,48 @@ std::vector<scene::Instance> dynamic_instances(const scene::World& world) {
     return instances;
 }
 
+class HeadlessGl {
+  public:
+    explicit HeadlessGl(platform::HeadlessContext context) : context_(std::move(context)) {}
+    /// Uploads the scene.
+    Status load(const scene::StaticScene& scene) {
+        FF_ASSIGN(nearfield::NearRenderer renderer, nearfield::NearRenderer::make(scene));
+        renderer_.emplace(std::move(renderer));
+        return {};
+    }
+    nearfield::NearRenderer* renderer() { return renderer_ ? &*renderer_ : nullptr; }
+
+  private:
+    platform::HeadlessContext context_;
+    std::optional<nearfield::NearRenderer> renderer_;  // after the context: destroyed while that is current
+};
+
 Session::Session() = default;
 Session::~Session() = default;
 
-Result<std::unique_ptr<Session>> Session::open(const ViewOptions& options, bool may_rasterise) {
+Result<std::unique_ptr<Session>> Session::open(const ViewOptions& options, std::span<const frame::Mode> modes) {
     auto session = std::unique_ptr<Session>(new Session);
     FF_ASSIGN(session->world_, open_world(options.pack));
     FF_ASSIGN(session->walk_, find_walk(*session->world_, options.walk));
     session->casters_ = std::make_unique<frame::Casters>(session->world_->scene());
     session->dynamic_ = dynamic_instances(*session->world_);
-    (void)may_rasterise;
+
+    bool needs_gl = options.frame.fixed_near_m.value_or(0.0) > 0.0;
+    for (const frame::Mode mode : modes) needs_gl |= mode == frame::Mode::raster || mode == frame::Mode::near;
+    auto context = platform::HeadlessContext::open();
+    if (!context) {
+        if (needs_gl) return context.error();
+        return session;
+    }
+    session->gl_ = std::make_unique<HeadlessGl>(std::move(*context));
+    FF_ASSIGN(const gl::DeviceInfo device, gl::query_device());
+    session->gl_name_ = device.renderer;
+    if (needs_gl || !device.is_software) FF_TRY(session->gl_->load(session->world_->scene()));
     return session;
 }
 
 nearfield::NearRenderer* Session::near_renderer() {
-    return nullptr;
+    return gl_ ? gl_->renderer() : nullptr;
 }
 
 std::unique_ptr<frame::Renderer> Session::make_renderer(const ImageSize& size) {

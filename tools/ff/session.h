@@ -21,11 +21,19 @@ Result<std::unique_ptr<scene::World>> open_world(const std::string& pack_or_sour
 /// A walk that the pack has, or a .walk.json file. Errors: neither; the message lists the names that there are.
 Result<scene::Walk> find_walk(const scene::World& world, const std::string& name_or_file);
 
+/// The instances that a world starts with and that may move.
+std::vector<scene::Instance> dynamic_instances(const scene::World& world);
+
+/// OpenGL without a window.
+class HeadlessGl;
+
 /// A world, a walk, and what draws them headless.
 class Session {
   public:
-    /// @param may_rasterise  open OpenGL too; a hybrid without it keeps its near distance at 0
-    static Result<std::unique_ptr<Session>> open(const ViewOptions& options, bool may_rasterise);
+    /// Opens OpenGL too where a mode or a fixed near distance needs it, or where it is hardware: there the hybrid's
+    /// controller may choose a near field. A software rasteriser is never cheaper than the caster
+    /// (docs/measurements.md), so then the hybrid does without it.
+    static Result<std::unique_ptr<Session>> open(const ViewOptions& options, std::span<const frame::Mode> modes);
     ~Session();
 
     [[nodiscard]] const scene::World& world() const { return *world_; }
@@ -33,7 +41,7 @@ class Session {
     [[nodiscard]] std::span<const scene::Instance> dynamic() const { return dynamic_; }
     [[nodiscard]] frame::Casters& casters() { return *casters_; }
     [[nodiscard]] nearfield::NearRenderer* near_renderer();
-    [[nodiscard]] std::string gl_renderer_name() const;
+    [[nodiscard]] const std::string& gl_renderer_name() const { return gl_name_; }
     /// A renderer with a history of its own.
     [[nodiscard]] std::unique_ptr<frame::Renderer> make_renderer(const ImageSize& size);
 
@@ -42,6 +50,8 @@ class Session {
     std::unique_ptr<scene::World> world_;
     scene::Walk walk_;
     std::vector<scene::Instance> dynamic_;
+    std::string gl_name_ = "none";
+    std::unique_ptr<HeadlessGl> gl_;
     std::unique_ptr<frame::Casters> casters_;
 };
 

@@ -27,7 +27,8 @@ Status walk_headless(const WalkOptions& options) {
     std::error_code error;
     std::filesystem::create_directories(options.out, error);
     if (error) return failure(fmt::format("{}: cannot create: {}", options.out.string(), error.message()));
-    FF_ASSIGN(const std::unique_ptr<Session> session, Session::open(options.view, true));
+    FF_ASSIGN(const std::unique_ptr<Session> session,
+              Session::open(options.view, std::span(&options.view.frame.mode, 1)));
     const scene::Walk& walk = session->walk();
     const std::size_t every = options.every > 0 ? std::size_t(options.every)
                                                 : std::max<std::size_t>(1, walk.frames.size() / kDefaultPictures);

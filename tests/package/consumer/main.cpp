@@ -1,7 +1,7 @@
 // A game in miniature: a world of one quad, drawn by the engine's far field; checks that the quad is in the picture.
 #include <cstdio>
 
-#include "engine/frame/run_passes.h"
+#include "engine/frame/renderer.h"
 #include "engine/scene/scene_data.h"
 
 int main() {
@@ -22,12 +22,9 @@ int main() {
 
     const scene::StaticScene scene = world.view();
     frame::Casters casters(scene);
-    frame::FrameHistory history;
-    history.reset(160, 120);
-    frame::FramePlan plan;
-    frame::plan_frame(scene, {}, {.position = {0, 5, 0}}, 160, 120, {.fixed_near_m = 0.0}, history, plan);
+    frame::Renderer renderer(scene, casters, nullptr, 160, 120);
     shading::Image image;
-    const frame::FrameStats stats = frame::run_passes(plan, {scene, casters}, history, image);
+    const frame::FrameStats& stats = renderer.draw({.position = {0, 5, 0}}, {}, {.fixed_near_m = 0.0}, image);
     std::printf("%llu pixels of the quad, %llu of sky\n", static_cast<unsigned long long>(stats.pixels.cast_hit),
                 static_cast<unsigned long long>(stats.pixels.sky + stats.pixels.cast_miss));
     return stats.pixels.cast_hit > 1000 ? 0 : 1;

@@ -1,0 +1,145 @@
+#include "tools/ff/walk_window.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "engine/core/log.h"
+#include "engine/core/stopwatch.h"
+#include "engine/core/write_file.h"
+#include "engine/loop/free_camera.h"
+#include "engine/nearfield/near_renderer.h"
+#include "engine/platform/window.h"
+#include "tools/ff/image_file.h"
+#include "tools/ff/session.h"
+
+namespace ff::tool {
+namespace {
+
+using platform::Key;
+
+bool takes_over(const platform::InputState& input) {
+    for (const Key key : {Key::w, Key::a, Key::s, Key::d, Key::e, Key::q, Key::up, Key::down, Key::left, Key::right})
+        if (input.held(key)) return true;
+    const auto& pad = input.gamepad;
+    return input.held(platform::MouseButton::left) || pad.left_x != 0 || pad.left_y != 0 || pad.right_x != 0 ||
+           pad.right_y != 0;
+}
+
+scene::WalkFrame frame_of(const Camera& camera) {
+    return {.position = camera.position,
+            .yaw_deg = degrees_of(camera.yaw),
+            .pitch_deg = degrees_of(camera.pitch),
+            .roll_deg = degrees_of(camera.roll)};
+}
+
+/// The walk played back, until the player takes the camera; and what the player records.
+class Walker {
+  public:
+    Walker(const scene::Walk& walk, std::filesystem::path out) : walk_(walk), out_(std::move(out)) {}
+
+    /// The camera after `dt` more seconds.
+    const Camera& advance(const platform::InputState& input, double dt) {
+        if (playing_ && takes_over(input)) {
+            playing_ = false;
+            log_info("the camera is yours: WASD, E and Q, mouse or arrow keys, shift to run; P plays the walk on");
+        }
+        if (input.pressed(Key::p)) playing_ = true;
+        if (playing_) {
+            time_ += dt;
+            const double frames = double(walk_.frames.size());
+            camera_ = walk_.camera(std::size_t(std::fmod(time_ * walk_.rate_hz, frames)));
+        } else {
+            loop::move_free_camera(input, dt, {}, camera_);
+        }
+        if (input.pressed(Key::r)) toggle_recording();
+        if (recording_) recorded_.frames.push_back(frame_of(camera_));
+        return camera_;
+    }
+
+    void stop_recording() {
+        if (!recording_) return;
+        recording_ = false;
+        std::error_code ignored;
+        std::filesystem::create_directories(out_, ignored);
+        std::filesystem::path path;
+        for (int n = 1; path.empty() || std::filesystem::exists(path); ++n)
+            path = out_ / fmt::format("recorded{}.walk.json", n);
+        if (const Status status = write_file_whole(path, scene::walk_to_json(recorded_)); !status) {
+            log_warning("{}", status.error().message);
+            return;
+        }
+        log_info("{}: {} frames recorded; play them with --walk", path.string(), recorded_.frames.size());
+    }
+
+  private:
+    void toggle_recording() {
+        if (recording_) return stop_recording();
+        recorded_ = {.name = "recorded", .fov_deg = walk_.fov_deg, .rate_hz = walk_.rate_hz};
+        recording_ = true;
+        log_info("recording; R again ends it");
+    }
+
+    const scene::Walk& walk_;
+    std::filesystem::path out_;
+    Camera camera_;
+    double time_ = 0.0;
+    bool playing_ = true, recording_ = false;
+    scene::Walk recorded_;
+};
+
+Status save_picture(const std::filesystem::path& out, const shading::Image& image) {
+    std::error_code ignored;
+    std::filesystem::create_directories(out, ignored);
+    std::filesystem::path path;
+    for (int n = 1; path.empty() || std::filesystem::exists(path); ++n) path = out / fmt::format("picture{}.png", n);
+    FF_TRY(write_image(path, image));
+    log_info("{}", path.string());
+    return {};
+}
+
+}  // namespace
+
+Status walk_in_window(const WalkOptions& options) {
+    FF_ASSIGN(const std::unique_ptr<scene::World> world, open_world(options.view.pack));
+    FF_ASSIGN(const scene::Walk walk, find_walk(*world, options.view.walk));
+    FF_ASSIGN(platform::Window window, platform::Window::open({.title = "Farfield: " + world->info().name,
+                                                               .width = options.view.size.width,
+                                                               .height = options.view.size.height}));
+    FF_ASSIGN(nearfield::NearRenderer near_renderer, nearfield::NearRenderer::make(world->scene()));
+    frame::Casters casters(world->scene());
+    const std::vector<scene::Instance> dynamic = dynamic_instances(*world);
+
+    Walker walker(walk, options.out);
+    platform::InputState input;
+    std::unique_ptr<frame::Renderer> renderer;
+    platform::FramebufferSize size;
+    shading::Image image;
+    Stopwatch tick, title;
+    while (window.poll(input) && !input.pressed(Key::escape)) {
+        const double dt = tick.seconds();
+        tick.restart();
+        window.capture_mouse(input.held(platform::MouseButton::left));
+        const Camera& camera = walker.advance(input, dt);
+
+        const platform::FramebufferSize now = window.framebuffer_size();
+        if (now.width < 16 || now.height < 16) continue;  // minimised
+        if (!renderer || now.width != size.width || now.height != size.height) {
+            size = now;
+            renderer =
+                std::make_unique<frame::Renderer>(world->scene(), casters, &near_renderer, size.width, size.height);
+        }
+        const frame::FrameStats& stats = renderer->draw(camera, dynamic, options.view.frame, image);
+        FF_TRY(near_renderer.present(image, size.width, size.height));
+        window.swap();
+        if (input.pressed(Key::f12)) FF_TRY(save_picture(options.out, image));
+        if (title.seconds() > 0.5) {
+            window.set_title(fmt::format("Farfield: {}  {:.1f} ms", world->info().name, stats.frame_ms));
+            title.restart();
+        }
+    }
+    walker.stop_recording();
+    return {};
+}
+
+}  // namespace ff::tool
