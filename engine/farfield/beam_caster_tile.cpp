@@ -56,9 +56,12 @@ constexpr float kNearestInverse = 1e9f;
 
 constexpr int kStackEntries = 2048;  // 15 per level of a tree; the builder keeps trees below 132 levels
 
+// The low four bits of `near` name the quarters of the tile that the child touches; cutting them off only brings it
+// nearer.
 struct StackEntry {
     float near;
     std::uint32_t child;
+    [[nodiscard]] std::uint32_t quarters() const { return std::bit_cast<std::uint32_t>(near) & 15u; }
 };
 
 // W, X W or Y W of a point as a linear function.
@@ -66,12 +69,13 @@ struct Linear {
     float x, y, z, c;
 };
 
-// The beam in the space of one hierarchy: planes that look inwards, then depth. `row` says which of a node's six rows
-// (low x y z, high x y z) holds the box corner to test.
+// The beam in the space of one hierarchy, as linear functions of which one corner of a box is asked: four planes that
+// look inwards, least depth, and least and greatest X W and Y W. `row` says which of a node's six rows (low x y z, high
+// x y z) holds that corner.
 struct Beam {
-    static constexpr int kPlanes = 4;
-    float x[kPlanes + 1], y[kPlanes + 1], z[kPlanes + 1], c[kPlanes + 1];
-    std::uint32_t row_x[kPlanes + 1], row_y[kPlanes + 1], row_z[kPlanes + 1];
+    enum : int { kNear = 4, kLeft, kRight, kTop, kBottom, kCount };
+    float x[kCount], y[kCount], z[kCount], c[kCount];
+    std::uint32_t row_x[kCount], row_y[kCount], row_z[kCount];
 };
 
 struct alignas(64) LeafScratch {
@@ -89,8 +93,7 @@ struct Tile {
     alignas(64) std::uint32_t instance[256];
     alignas(64) std::uint32_t triangle[256];
     float quarter_best[4] = {};  // of the farthest pixel of each 8 x 8: top left, top right, bottom left, bottom right
-    float min_best = 0.0f;       // of the farthest pixel
-    float far = kInf;            // its depth, rounded up
+    float far[16];               // depth of the farthest pixel in any set of quarters, rounded up
     float first_column = 0, last_column = 15, first_row = 0, last_row = 15;  // bounds of the pixels asked for
     bool changed = false;
 };
@@ -133,7 +136,13 @@ HWY_INLINE Beam make_beam(const Linear (&xyw)[3], const Vec3& reach, const Tile&
     }
     Linear near = w;
     near.c -= rounding_over(w, reach);
-    set_plane(beam, Beam::kPlanes, near, false);
+    set_plane(beam, Beam::kNear, near, false);
+    for (int side = 0; side < 4; ++side) {
+        Linear l = xyw[side / 2];
+        const bool upper = side % 2 == 1;
+        l.c += upper ? rounding_over(l, reach) : -rounding_over(l, reach);
+        set_plane(beam, Beam::kLeft + side, l, upper);
+    }
     return beam;
 }
 
@@ -150,19 +159,28 @@ HWY_INLINE std::uint32_t bits_of(MF mask) {
     return kLanes > 8 ? std::uint32_t(bytes[0] | bytes[1] << 8) : std::uint32_t(bytes[0]);
 }
 
-// Children that the beam may meet before `far`, as bits; their nearest depths in `near`.
-HWY_INLINE std::uint32_t children_in_beam(const BvhNode& node, const Beam& beam, float far, float* HWY_RESTRICT near) {
-    std::uint32_t bits = 0;
+// Children that the beam meets, as bits; those that reach into a half of the tile; their least depths.
+struct Met {
+    std::uint32_t all = 0, left = 0, right = 0, top = 0, bottom = 0;
+    alignas(64) float near[16];
+};
+
+HWY_INLINE void children_in_beam(const BvhNode& node, const Beam& beam, float far, Met& met) {
     for (int i = 0; i < 16; i += kLanes) {
         const float* lanes = node.low_x + i;
         // An empty lane gives -inf or, where a normal has a zero, not-a-number; neither is >= 0.
         const VF inside = hn::Min(hn::Min(corner_value(beam, 0, lanes), corner_value(beam, 1, lanes)),
                                   hn::Min(corner_value(beam, 2, lanes), corner_value(beam, 3, lanes)));
-        const VF depth = corner_value(beam, Beam::kPlanes, lanes);
-        hn::Store(depth, f, near + i);
-        bits |= bits_of(hn::And(hn::Ge(inside, hn::Zero(f)), hn::Lt(depth, hn::Set(f, far)))) << i;
+        const VF depth = corner_value(beam, Beam::kNear, lanes), zero = hn::Zero(f);
+        hn::Store(depth, f, met.near + i);
+        const std::uint32_t bits = bits_of(hn::And(hn::Ge(inside, zero), hn::Lt(depth, hn::Set(f, far))));
+        if (bits == 0) continue;
+        met.all |= bits << i;
+        met.left |= bits_of(hn::Le(corner_value(beam, Beam::kLeft, lanes), zero)) << i;
+        met.right |= bits_of(hn::Ge(corner_value(beam, Beam::kRight, lanes), zero)) << i;
+        met.top |= bits_of(hn::Le(corner_value(beam, Beam::kTop, lanes), zero)) << i;
+        met.bottom |= bits_of(hn::Ge(corner_value(beam, Beam::kBottom, lanes), zero)) << i;
     }
-    return bits;
 }
 
 HWY_INLINE void prefetch(const void* address) {
@@ -170,29 +188,36 @@ HWY_INLINE void prefetch(const void* address) {
     for (int line = 0; line < 7; ++line) __builtin_prefetch(at + 64 * line);
 }
 
-// Walks one hierarchy front to back; `on_leaf(leaf id)` may bring tile.far nearer.
+// Walks one hierarchy front to back; `on_leaf(leaf id)` may bring `tile.far` nearer.
 template <class Prefetch, class OnLeaf>
 HWY_INLINE void walk(const BvhNode* nodes, const Beam& beam, const Tile& tile, std::uint64_t& visited,
                      Prefetch&& prefetch_child, OnLeaf&& on_leaf) {
     StackEntry stack[kStackEntries];
     int top = 0;
-    stack[top++] = {0.0f, 0};
+    stack[top++] = {std::bit_cast<float>(15u), 0};
     while (top > 0) {
         const StackEntry entry = stack[--top];
-        if (!(entry.near < tile.far)) continue;
+        if (!(entry.near < tile.far[entry.quarters()])) continue;
         if (entry.child & kBvhLeafBit) {
             on_leaf(entry.child & ~kBvhLeafBit);
             continue;
         }
         const BvhNode& node = nodes[entry.child];
         ++visited;
-        alignas(64) float near[16];
-        std::uint32_t bits = children_in_beam(node, beam, tile.far, near);
+        Met met;
+        children_in_beam(node, beam, tile.far[15], met);
         if (top + scene::kBvhWidth > kStackEntries) continue;  // no tree of ours is that deep
         const int bottom = top;
-        for (; bits != 0; bits &= bits - 1) {
-            const int lane = std::countr_zero(bits);
-            const StackEntry child{near[lane], node.child[lane]};
+        for (; met.all != 0; met.all &= met.all - 1) {
+            const int lane = std::countr_zero(met.all);
+            const auto half = [lane](std::uint32_t bits, std::uint32_t quarters) {
+                return (0u - ((bits >> lane) & 1u)) & quarters;
+            };
+            const std::uint32_t quarters =
+                (half(met.left, 0b0101) | half(met.right, 0b1010)) & (half(met.top, 0b0011) | half(met.bottom, 0b1100));
+            const std::uint32_t near = (std::bit_cast<std::uint32_t>(met.near[lane]) & ~15u) | quarters;
+            const StackEntry child{std::bit_cast<float>(near), node.child[lane]};
+            if (!(child.near < tile.far[quarters])) continue;
             prefetch_child(child.child);
             int at = top++;
             for (; at > bottom && stack[at - 1].near < child.near; --at) stack[at] = stack[at - 1];
@@ -510,8 +535,8 @@ HWY_INLINE void draw(const LeafScratch& s, int i, std::uint32_t instance, std::u
 }
 
 HWY_INLINE void find_farthest(Tile& tile) {
-    tile.min_best = kInf;
-    for (int quarter = 0; quarter < 4; ++quarter) {
+    tile.far[0] = 0.0f;
+    for (std::uint32_t quarter = 0; quarter < 4; ++quarter) {
         const float* first = tile.best + (quarter / 2) * 128 + (quarter % 2) * 8;
         const hn::CappedTag<float, 8> eight;
         auto least = hn::Load(eight, first);
@@ -520,9 +545,10 @@ HWY_INLINE void find_farthest(Tile& tile) {
                 least = hn::Min(least, hn::Load(eight, first + row * 16 + x));
         }
         tile.quarter_best[quarter] = hn::GetLane(hn::MinOfLanes(eight, least));
-        tile.min_best = std::min(tile.min_best, tile.quarter_best[quarter]);
+        const float far = 1.000001f / tile.quarter_best[quarter];
+        for (std::uint32_t set = 0; set < (1u << quarter); ++set)
+            tile.far[set | (1u << quarter)] = std::max(tile.far[set], far);
     }
-    tile.far = 1.000001f / tile.min_best;
     tile.changed = false;
 }
 

@@ -48,6 +48,13 @@ bool vertices_fit(const MeshSource& mesh, std::span<const BuildPrimitive> triang
     return true;
 }
 
+// How many triangles of this mesh a leaf's vertices let in: all where triangles share them, few where each has its own.
+std::uint32_t usual_leaf_triangles(const MeshSource& mesh) {
+    if (mesh.positions.empty()) return BvhLeaf::kMaxTriangles;
+    const std::size_t usual = BvhLeaf::kMaxVertices * (mesh.indices.size() / 3) / mesh.positions.size();
+    return std::uint32_t(std::clamp<std::size_t>(usual, BvhLeaf::kMaxVertices / 3, BvhLeaf::kMaxTriangles));
+}
+
 // Numbers equal vertices alike, in the order of their first use by `triangles`, and rewrites the mesh so.
 class VertexReorder {
   public:
@@ -151,7 +158,7 @@ PreparedMesh prepare_mesh(MeshSource source, std::span<const Material> materials
         out.material_flags |= materials[source.triangle_materials[i]].flags;
     }
     const LeafFits fits = [&](std::span<const BuildPrimitive> range) { return vertices_fit(source, range); };
-    WideBvh bvh = build_wide_bvh(triangles, {}, fits);
+    WideBvh bvh = build_wide_bvh(triangles, {.usual_leaf_primitives = usual_leaf_triangles(source)}, fits);
     VertexReorder(source).run(triangles);
     out.leaves.resize(bvh.leaves.size());
     parallel_ranges(bvh.leaves.size(), 1024, [&](std::size_t begin, std::size_t end) {
