@@ -1,6 +1,9 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "engine/core/log.h"
+#include "tools/ff/debug_picture.h"
 #include "tools/ff/image_file.h"
 #include "tools/ff/session.h"
 
@@ -14,13 +17,20 @@ Status run_render(const RenderOptions& options) {
         return usage_error(fmt::format("--frame {}: the walk '{}' has frames 0 to {}", options.frame,
                                        session->walk().name, frames - 1));
 
+    // The frame as a walk would show it: what it reuses was drawn in the frames just before.
+    constexpr std::size_t kLeadIn = 8;
     const auto renderer = session->make_renderer(options.view.size);
     shading::Image image;
-    const frame::FrameStats& stats = renderer->draw(session->walk().camera(std::size_t(options.frame)),
-                                                    session->dynamic(), options.view.frame, image);
+    const auto last = std::size_t(options.frame);
+    for (std::size_t f = last - std::min(last, kLeadIn); f < last; ++f)
+        renderer->draw(session->walk().camera(f), session->dynamic(), options.view.frame, image);
+    const frame::FrameStats& stats =
+        renderer->draw(session->walk().camera(last), session->dynamic(), options.view.frame, image);
     log_info("frame {} in {:.1f} ms: {} pixels near, {} sky, {} panorama, {} cast and hit, {} cast and missed",
              options.frame, stats.frame_ms, stats.pixels.near_field, stats.pixels.sky, stats.pixels.panorama,
              stats.pixels.cast_hit, stats.pixels.cast_miss);
+    for (std::size_t i = 0; i < kDebugViewNames.size(); ++i)
+        if (options.debug_view == kDebugViewNames[i]) draw_debug_view(DebugView(i), *renderer, image);
     return write_image(options.output, image);
 }
 

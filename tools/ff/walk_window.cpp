@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "engine/core/log.h"
@@ -10,6 +11,7 @@
 #include "engine/loop/free_camera.h"
 #include "engine/nearfield/near_renderer.h"
 #include "engine/platform/window.h"
+#include "tools/ff/debug_picture.h"
 #include "tools/ff/image_file.h"
 #include "tools/ff/session.h"
 
@@ -17,6 +19,8 @@ namespace ff::tool {
 namespace {
 
 using platform::Key;
+
+constexpr std::size_t kGraphFrames = 240;
 
 bool takes_over(const platform::InputState& input) {
     for (const Key key : {Key::w, Key::a, Key::s, Key::d, Key::e, Key::q, Key::up, Key::down, Key::left, Key::right})
@@ -110,6 +114,12 @@ Status walk_in_window(const WalkOptions& options) {
     frame::Casters casters(world->scene());
     const std::vector<scene::Instance> dynamic = dynamic_instances(*world);
 
+    FF_ASSIGN(debug::Overlay overlay, debug::Overlay::make(window));
+    debug::OverlayData overlay_data;
+    std::vector<float> recent_ms(kGraphFrames, 0.0f);
+    bool show_overlay = false;
+    int debug_view = 0;
+
     Walker walker(walk, options.out);
     platform::InputState input;
     std::unique_ptr<frame::Renderer> renderer;
@@ -130,7 +140,18 @@ Status walk_in_window(const WalkOptions& options) {
                 std::make_unique<frame::Renderer>(world->scene(), casters, &near_renderer, size.width, size.height);
         }
         const frame::FrameStats& stats = renderer->draw(camera, dynamic, options.view.frame, image);
+        if (input.pressed(Key::f1)) show_overlay = !show_overlay;
+        if (input.pressed(Key::f2)) debug_view = (debug_view + 1) % int(kDebugViewNames.size());
+        draw_debug_view(DebugView(debug_view), *renderer, image);
         FF_TRY(near_renderer.present(image, size.width, size.height));
+        std::rotate(recent_ms.begin(), recent_ms.begin() + 1, recent_ms.end());
+        recent_ms.back() = float(stats.frame_ms);
+        if (show_overlay) {
+            fill_overlay(*renderer, overlay_data);
+            overlay_data.graph = recent_ms;
+            overlay_data.graph_budget_ms = float(options.view.frame.budget_ms);
+            overlay.draw(overlay_data);
+        }
         window.swap();
         if (input.pressed(Key::f12)) FF_TRY(save_picture(options.out, image));
         if (title.seconds() > 0.5) {

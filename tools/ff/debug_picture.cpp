@@ -1,0 +1,91 @@
+#include "tools/ff/debug_picture.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "engine/debug/debug_view.h"
+
+namespace ff::tool {
+namespace {
+
+using debug::PixelSource;
+
+/// Codes in the image's own layout.
+std::vector<PixelSource> pixel_sources(const frame::FrameHistory& history, const shading::Image& image) {
+    std::vector<PixelSource> codes(image.pixels.size(), PixelSource::cast_hit);
+    const frame::SourceMasks& masks = history.sources;
+    for (int y = 0; y < image.height; ++y)
+        for (int x = 0; x < image.width; ++x) {
+            PixelSource& code = codes[std::size_t(y) * std::size_t(image.stride) + std::size_t(x)];
+            if (masks.near_field.test(x, y))
+                code = PixelSource::near;
+            else if (masks.sky.test(x, y))
+                code = PixelSource::sky;
+            else if (masks.panorama.test(x, y))
+                code = PixelSource::panorama;
+            else if (history.visibility.instance[history.visibility.index(x, y)] == farfield::kSkyInstance)
+                code = PixelSource::cast_miss;
+        }
+    return codes;
+}
+
+void paint_texel_ages(const frame::Renderer& renderer, shading::Image& image) {
+    constexpr std::uint16_t kOldFrames = 120;
+    const frame::FrameHistory& history = renderer.history();
+    std::vector<std::uint16_t> ages(image.pixels.size(), debug::kNoAge);
+    for (int y = 0; y < image.height; ++y)
+        for (int x = 0; x < image.width; ++x) {
+            if (!history.panorama || !history.sources.panorama.test(x, y)) continue;
+            const std::int64_t age = history.panorama->age(renderer.plan().view.direction(x, y));
+            if (age < 0) continue;
+            ages[std::size_t(y) * std::size_t(image.stride) + std::size_t(x)] =
+                std::uint16_t(std::min<std::int64_t>(age, debug::kNoAge - 1));
+        }
+    debug::paint_ages(ages, image.width, image.height, image.stride, kOldFrames, image);
+}
+
+}  // namespace
+
+void draw_debug_view(DebugView view, const frame::Renderer& renderer, shading::Image& image) {
+    switch (view) {
+        case DebugView::none:
+            return;
+        case DebugView::sources: {
+            const shading::Image shaded = image;
+            debug::paint_sources(pixel_sources(renderer.history(), image), image.width, image.height, image.stride,
+                                 image, &shaded);
+            return;
+        }
+        case DebugView::age:
+            return paint_texel_ages(renderer, image);
+        case DebugView::border:
+            return debug::draw_near_border(pixel_sources(renderer.history(), image), image);
+    }
+}
+
+void fill_overlay(const frame::Renderer& renderer, debug::OverlayData& data) {
+    const frame::FrameStats& stats = renderer.history().last_stats;
+    data.title = fmt::format("{:.2f} ms", stats.frame_ms);
+    data.rows.clear();
+    for (std::size_t p = 0; p < frame::kPassCount; ++p)
+        if (stats.pass_ms[p] > 0.0)
+            data.rows.push_back({std::string(frame::kPassNames[p]), fmt::format("{:.2f} ms", stats.pass_ms[p])});
+    const auto all = double(renderer.plan().view.width) * renderer.plan().view.height;
+    const auto percent = [&](std::uint64_t pixels) { return fmt::format("{:.1f} %", 100.0 * double(pixels) / all); };
+    data.rows.push_back({"near pixels", percent(stats.pixels.near_field)});
+    data.rows.push_back({"sky pixels", percent(stats.pixels.sky)});
+    data.rows.push_back({"panorama pixels", percent(stats.pixels.panorama)});
+    data.rows.push_back({"stale of these", percent(stats.pixels.stale)});
+    data.rows.push_back({"cast, hit", percent(stats.pixels.cast_hit)});
+    data.rows.push_back({"cast, missed", percent(stats.pixels.cast_miss)});
+    data.rows.push_back({"rays", fmt::format("{}", stats.rays)});
+    data.rows.push_back({"near distance", std::isfinite(stats.near_m) ? fmt::format("{:.0f} m", stats.near_m) : "all"});
+    data.rows.push_back({"near triangles", fmt::format("{}", stats.near_triangles)});
+    data.rows.push_back(
+        {"parallax p99, max", fmt::format("{:.2f}, {:.2f} px", stats.parallax_p99_px, stats.parallax_max_px)});
+}
+
+}  // namespace ff::tool

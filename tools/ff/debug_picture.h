@@ -1,0 +1,21 @@
+#pragma once
+
+#include <array>
+#include <string_view>
+
+#include "engine/debug/overlay.h"
+#include "engine/frame/renderer.h"
+
+namespace ff::tool {
+
+enum class DebugView { none, sources, age, border };
+inline constexpr std::array<std::string_view, 4> kDebugViewNames{"none", "sources", "age", "border"};
+
+/// Draws a debug view of the renderer's last frame over or instead of its picture: where each pixel came from, how old
+/// its panorama texel is, or the border of the near field.
+void draw_debug_view(DebugView view, const frame::Renderer& renderer, shading::Image& image);
+
+/// The last frame's statistics as the overlay's table; the strings are reused.
+void fill_overlay(const frame::Renderer& renderer, debug::OverlayData& data);
+
+}  // namespace ff::tool
