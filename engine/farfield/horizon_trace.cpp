@@ -15,6 +15,7 @@
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "engine/farfield/horizon_trace.cpp"
+#include <hwy/cache_control.h>
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
@@ -55,20 +56,34 @@ HWY_INLINE Extent extent_of(const HorizonTraceInput& in, int level, const Batch&
     return e;
 }
 
-/// Fills rise, a and b of a vector of squares.
-HWY_INLINE void compute_rise(const HorizonTraceInput& in, const Extent& e, Batch& batch, std::size_t i) {
-    const V one = hn::Set(d, 1.0f), slack = hn::Set(d, kSlackSquares);
+/// Height over the eye, in squares, and the distances that divide it: the gap where above, else the farthest.
+struct Rise {
+    V rise, by_x, by_z;
+    hn::MFromD<D> above;
+};
+
+HWY_INLINE Rise rise_of(const HorizonTraceInput& in, const Extent& e, V height) {
+    const V slack = hn::Set(d, kSlackSquares);
     const V far_x = hn::Add(hn::Max(hn::Neg(e.low_x), e.high_x), slack);
     const V far_z = hn::Add(hn::Max(hn::Neg(e.low_z), e.high_z), slack);
-    V rise = hn::Mul(hn::Sub(hn::Load(d, batch.height + i), hn::Set(d, in.eye_height_m)), hn::Set(d, in.squares_per_m));
+    Rise r;
+    r.rise = hn::Mul(hn::Sub(height, hn::Set(d, in.eye_height_m)), hn::Set(d, in.squares_per_m));
     // Wholly nearer than the near distance: not ours.
     const V far2 = hn::Add(hn::Mul(far_x, far_x), hn::Mul(far_z, far_z));
-    rise = hn::IfThenElse(hn::Le(far2, hn::Set(d, in.wedges.near_distance * in.wedges.near_distance)),
-                          hn::Set(d, -std::numeric_limits<float>::infinity()), rise);
-    const auto above = hn::Gt(rise, hn::Zero(d));
-    hn::Store(rise, d, batch.rise + i);
-    hn::Store(hn::Div(one, hn::IfThenElse(above, e.gap_x, far_x)), d, batch.a + i);
-    hn::Store(hn::Div(one, hn::IfThenElse(above, e.gap_z, far_z)), d, batch.b + i);
+    r.rise = hn::IfThenElse(hn::Le(far2, hn::Set(d, in.wedges.near_distance * in.wedges.near_distance)),
+                            hn::Set(d, -std::numeric_limits<float>::infinity()), r.rise);
+    r.above = hn::Gt(r.rise, hn::Zero(d));
+    r.by_x = hn::IfThenElse(r.above, e.gap_x, far_x);
+    r.by_z = hn::IfThenElse(r.above, e.gap_z, far_z);
+    return r;
+}
+
+/// Fills rise, a and b of a vector of squares.
+HWY_INLINE void store_rise(const Rise& r, Batch& batch, std::size_t i) {
+    const V one = hn::Set(d, 1.0f);
+    hn::Store(r.rise, d, batch.rise + i);
+    hn::Store(hn::Div(one, r.by_x), d, batch.a + i);
+    hn::Store(hn::Div(one, r.by_z), d, batch.b + i);
 }
 
 /// Coarser squares get a wider margin than what they hold, so that rounding cannot leave a descendant outside.
@@ -80,7 +95,7 @@ HWY_INLINE float margin_scale(int level) {
 void compute_bounds(const HorizonTraceInput& in, int level, Batch& batch) {
     for (std::size_t i = 0; i < 16; i += hn::Lanes(d)) {
         const Extent extent = extent_of(in, level, batch, i);
-        compute_rise(in, extent, batch, i);
+        store_rise(rise_of(in, extent, hn::Load(d, batch.height + i)), batch, i);
         compute_columns(in.wedges, margin_scale(level), extent, batch.first + i, batch.count + i);
     }
 }
@@ -88,24 +103,31 @@ void compute_bounds(const HorizonTraceInput& in, int level, Batch& batch) {
 /// Fills the batch like compute_bounds, but where a square cannot raise any of its parent's columns.
 /// @return bit i: square i may; a necessary condition, cheaper than asking every column.
 std::uint32_t compute_promising(const HorizonTraceInput& in, int level, const Survey& survey, Batch& batch) {
-    const V zero = hn::Zero(d), lowest = hn::Set(d, survey.lowest);
+    // Above, rise * min(max_x / gap_x, max_z / gap_z) > lowest; below, rise * max(min_x / far_x, min_z / far_z) is the
+    // smaller of the two as well. Multiplied out, and rounded in favour of the square.
+    const V lowest = hn::Set(d, std::max(survey.lowest, -1e30f));
     const V max_x = hn::Set(d, survey.max_x), max_z = hn::Set(d, survey.max_z);
     const V min_x = hn::Set(d, survey.min_x), min_z = hn::Set(d, survey.min_z);
-    const V inverse_near = hn::Set(d, 1.0f / in.wedges.near_distance);
+    const V favour = hn::Set(d, 1e-6f);
     std::uint32_t bits = 0;
     for (std::size_t i = 0; i < 16; i += hn::Lanes(d)) {
         const Extent extent = extent_of(in, level, batch, i);
-        compute_rise(in, extent, batch, i);
-        const V rise = hn::Load(d, batch.rise + i), a = hn::Load(d, batch.a + i), b = hn::Load(d, batch.b + i);
-        const V above = hn::Min(hn::Min(hn::Mul(max_x, a), hn::Mul(max_z, b)), inverse_near);
-        const V below = hn::Max(hn::Mul(min_x, a), hn::Mul(min_z, b));
-        const V tangent = hn::Mul(rise, hn::IfThenElse(hn::Gt(rise, zero), above, below));
-        const auto may_raise = hn::Gt(tangent, lowest);
-        if (hn::AllFalse(d, may_raise)) continue;
-        compute_columns(in.wedges, margin_scale(level), extent, batch.first + i, batch.count + i);
+        const Rise r = rise_of(in, extent, hn::Load(d, batch.height + i));
+        const V left_x = hn::Mul(r.rise, hn::IfThenElse(r.above, max_x, min_x));
+        const V left_z = hn::Mul(r.rise, hn::IfThenElse(r.above, max_z, min_z));
+        const V right_x = hn::Mul(lowest, r.by_x), right_z = hn::Mul(lowest, r.by_z);
+        const V slack_x = hn::Mul(hn::Add(hn::Abs(left_x), hn::Abs(right_x)), favour);
+        const V slack_z = hn::Mul(hn::Add(hn::Abs(left_z), hn::Abs(right_z)), favour);
+        const auto may_raise =
+            hn::And(hn::Gt(r.rise, hn::Set(d, -std::numeric_limits<float>::infinity())),
+                    hn::And(hn::Ge(hn::Add(left_x, slack_x), right_x), hn::Ge(hn::Add(left_z, slack_z), right_z)));
         std::uint8_t lanes[8] = {};
         hn::StoreMaskBits(d, may_raise, lanes);
-        bits |= (std::uint32_t(lanes[0]) | std::uint32_t(lanes[1]) << 8) << i;
+        const std::uint32_t found = std::uint32_t(lanes[0]) | std::uint32_t(lanes[1]) << 8;
+        if (found == 0) continue;
+        bits |= found << i;
+        store_rise(r, batch, i);
+        compute_columns(in.wedges, margin_scale(level), extent, batch.first + i, batch.count + i);
     }
     return bits;
 }
@@ -205,6 +227,13 @@ void load_children(const HorizonTraceInput& in, const Square& parent, int level,
     }
 }
 
+/// The heights of the finest levels are larger than the caches near the core.
+HWY_INLINE void prefetch_children(const HorizonTraceInput& in, const Square& square) {
+    const int level = square.level - 2, row = 1 << (in.size_log2 - level);
+    const float* heights = in.level_heights[level] + std::ptrdiff_t(square.z) * 4 * row + std::ptrdiff_t(square.x) * 4;
+    for (int j = 0; j < 4; ++j) hwy::Prefetch(heights + std::ptrdiff_t(j) * row);
+}
+
 std::uint32_t walk_grid(const HorizonTraceInput& in, float* tangents, std::uint32_t* winner) {
     std::uint32_t squares = 0;
     if (!prime(in, winner, tangents, winner, squares) && in.finest_level + 2 < in.size_log2) {
@@ -256,7 +285,10 @@ std::uint32_t walk_grid(const HorizonTraceInput& in, float* tangents, std::uint3
             const int nearest = ((bound.x << bound.level) + half < in.eye_x ? 3 : 0) +
                                 ((bound.z << bound.level) + half < in.eye_z ? 12 : 0);
             for (int i = 15; i >= 0; --i)
-                if (bits >> (i ^ nearest) & 1) stack[top++] = batch.at(i ^ nearest, level);
+                if (bits >> (i ^ nearest) & 1) {
+                    stack[top++] = batch.at(i ^ nearest, level);
+                    prefetch_children(in, stack[top - 1]);
+                }
         }
     }
     return squares;
