@@ -3,6 +3,8 @@
 
 #include "engine/farfield/panorama.h"
 
+#include <sys/mman.h>
+
 #include <glm/geometric.hpp>
 
 #include "engine/core/check.h"
@@ -10,6 +12,25 @@
 #include "engine/farfield/panorama_state.h"
 
 namespace ff::farfield {
+
+namespace {
+
+/// Gives a vector its memory in huge pages where the system has them: a tile of pixels looks at some twenty rows of
+/// each array, every row a page of its own, and misses of the address translation would be half of a lookup's time.
+template <class T>
+void assign_in_huge_pages(std::vector<T>& values, std::size_t count, T value) {
+    values.reserve(count);
+#ifdef MADV_HUGEPAGE
+    constexpr std::uintptr_t kPage = 4096;
+    const auto begin = (reinterpret_cast<std::uintptr_t>(values.data()) + kPage - 1) / kPage * kPage;
+    const auto end = reinterpret_cast<std::uintptr_t>(values.data() + count) / kPage * kPage;
+    // Only a hint: where it is refused everything works with small pages.
+    if (end > begin) madvise(reinterpret_cast<void*>(begin), end - begin, MADV_HUGEPAGE);
+#endif
+    values.assign(count, value);
+}
+
+}  // namespace
 
 Panorama::Panorama(const PanoramaSettings& settings) : state_(std::make_unique<State>()) {
     const int size = settings.face_size;
@@ -27,11 +48,16 @@ Panorama::Panorama(const PanoramaSettings& settings) : state_(std::make_unique<S
     // direction.
     s.map.extent = float(size) / float(size - 2);
     // A tile's row more than the faces need: the kernels read a row below and a texel to the right.
+    const std::size_t texels = std::size_t(size) * std::size_t(6 * size + kTileSize);
+    assign_in_huge_pages(s.map.visibility.instance, texels, kUnresolved);
+    assign_in_huge_pages(s.map.visibility.triangle, texels, 0u);
+    assign_in_huge_pages(s.map.visibility.depth, texels, 0.0f);
     s.map.visibility.resize(size, 6 * size + 1);
     s.map.visibility.height = 6 * size;
-    const std::size_t texels = s.map.visibility.instance.size();
-    s.map.colors.assign(texels, 0);
-    s.map.records.assign(texels, kNeverTraced);
+    FF_CHECK(s.map.visibility.instance.size() == texels, "{} texels, expected {}", s.map.visibility.instance.size(),
+             texels);
+    assign_in_huge_pages(s.map.colors, texels, 0u);
+    assign_in_huge_pages(s.map.records, texels, kNeverTraced);
     s.map.tiles.assign(std::size_t(6 * s.map.tiles_side) * std::size_t(s.map.tiles_side), TexelTile{});
     s.records.assign(kRecordCount, ConfidenceRecord{});
     s.moved_x.assign(kRecordCount, 0.0f);
@@ -48,7 +74,8 @@ Panorama::~Panorama() = default;
 
 int Panorama::face_size_for(const PinholeView& view) {
     const float texels = 2.0f / (0.8f * view.pixel_angle());
-    const int size = (int(std::min(texels, 2048.0f)) + kTileSize - 1) / kTileSize * kTileSize;
+    int size = (int(std::min(texels, 2032.0f)) + kTileSize - 1) / kTileSize * kTileSize;
+    if (size % 256 == 0) size += kTileSize;  // see PanoramaSettings
     return std::clamp(size, 64, 2048);
 }
 

@@ -46,7 +46,9 @@ enum class EdgeRule {
 };
 
 struct PanoramaSettings {
-    int face_size = 1024;             ///< texels a side, a multiple of 16, [64, 2048]; 18 bytes a texel, six faces
+    /// Texels a side of a face, a multiple of 16 in [64, 2048]; 18 bytes a texel, six faces. Powers of two put all rows
+    /// of a tile into the same few sets of the first-level cache.
+    int face_size = 1040;
     double record_distance_m = 1e-3;  ///< moves shorter than this go on with the same confidence record
     int edge_contrast = 24;           ///< of 255: difference between neighbours below which blending is not seen
 };
@@ -67,15 +69,16 @@ struct PanoramaStats {
     std::uint64_t cast = 0;        ///< to be cast by the caller: never seen, beyond the limit, or an edge
     std::uint64_t edges = 0;       ///< of those, the edges
     std::uint64_t unanswered = 0;  ///< never seen and no budget: left as they were
-    float parallax_p99_px = 0;     ///< over reused and stale pixels; the upper end of a bin 9% wide
+    float parallax_p99_px = 0;     ///< over reused and stale pixels; the upper end of a bin 12% wide
     float parallax_max_px = 0;
 };
 
 /// Where a panorama's pixels go. All arrays are laid out as the VisibilityBuffer is.
 struct PanoramaTarget {
-    VisibilityBuffer* visibility = nullptr;  ///< optional: who needs only colours saves a third of the time
+    VisibilityBuffer* visibility = nullptr;  ///< optional: colours alone take half of the time
     std::uint32_t* colors = nullptr;         ///< RGBA8, as shading::Image::pixels
-    int color_stride = 0;                    ///< pixels a row
+    int color_stride = 0;                    ///< pixels a row, whole tiles
+    bool depth_only = false;                 ///< leave instance and triangle of reused pixels as they are
 };
 
 class Panorama {
@@ -95,7 +98,7 @@ class Panorama {
 
     /// Chooses the texels to cast so that lookup() of the same pixels finds them all: never seen first, then the
     /// worst tiles, every n-th among equals.
-    /// @param wanted  the pixels that nothing else answers, by tiles of the view
+    /// @param wanted  the pixels that nothing else answers, by tiles of the view; none beyond its width and height
     /// @return texels chosen, at most limits.ray_budget
     std::uint64_t plan_fill(const PinholeView& view, std::span<const TileRequest> wanted, const PanoramaLimits& limits);
     /// The texels of one face (0..5) that plan_fill chose; for face_view() and map().
@@ -110,6 +113,7 @@ class Panorama {
     void commit_fill(int face, std::span<const std::uint32_t> colors, int stride);
 
     /// Answers the wanted pixels from the map as far as it can.
+    /// @param wanted   as for plan_fill
     /// @param to_cast  replaced by the pixels that the caller has to cast, never more than limits.ray_budget; where
     ///                 there is an old value the target holds it already
     PanoramaStats lookup(const PinholeView& view, std::span<const TileRequest> wanted, const PanoramaLimits& limits,

@@ -2,6 +2,37 @@
 
 #include <bit>
 #include <cstring>
+#include <type_traits>
+
+#ifndef FF_PANORAMA_SAMPLES
+#define FF_PANORAMA_SAMPLES
+namespace ff::farfield::panorama {
+
+/// What one tile reads of the map, on its way through the three steps of a lookup. 17 KiB.
+struct TileSamples {
+    static constexpr int kPixels = kTileSize * kTileSize;
+    alignas(64) std::int32_t quad[kPixels];     ///< index of the upper left of the four texels around the pixel
+    alignas(64) std::int32_t nearest[kPixels];  ///< index of the nearest
+    alignas(64) std::int32_t weight_x[kPixels];
+    alignas(64) std::int32_t weight_y[kPixels];
+    alignas(64) float inverse_axis[kPixels];  ///< 1 / length of the pixel's ray along the face's axis
+    alignas(64) std::uint32_t upper_colors[2 * kPixels];
+    alignas(64) std::uint32_t lower_colors[2 * kPixels];
+    alignas(64) float upper_depths[2 * kPixels];
+    alignas(64) float lower_depths[2 * kPixels];
+    alignas(64) std::int32_t upper_records[kPixels];  ///< two of 16 bits
+    alignas(64) std::int32_t lower_records[kPixels];
+    alignas(64) std::uint32_t instances[kPixels];
+    alignas(64) std::uint32_t triangles[kPixels];
+    alignas(64) float depths[kPixels];
+};
+
+/// Copies texels to where vectors can load them. Plain loads on purpose, outside of the vector targets: pairs of
+/// texels come in one load each, and gather instructions take three times as long on AMD's Zen 3.
+void fetch(const LookupJob& job, const TileRequest& tile, bool check, TileSamples& samples);
+
+}  // namespace ff::farfield::panorama
+#endif
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "engine/farfield/panorama_kernels.cpp"
@@ -69,13 +100,12 @@ HWY_INLINE VI bins_of(VF value) {
     return hn::Min(hn::Max(bin, hn::Set(di, kClassFirstStale)), hn::Set(di, kClassLastStale));
 }
 
-/// @tparam kOneFace  all pixels lie on the face of `axes`
-/// @tparam kCheck    texels have to be looked at one by one; else all are good, of one record
-template <bool kOneFace, bool kCheck>
-void lookup_pixels(const LookupJob& job, const TileRequest& tile, int face, std::uint32_t record, TileClasses& out) {
+/// Where each pixel of a tile falls on the map.
+/// @tparam kOneFace  all pixels lie on `face`
+template <bool kOneFace>
+void project(const LookupJob& job, const TileRequest& tile, int face, TileSamples& out) {
     const DF df;
     const DI di;
-    const DU du;
     const PanoramaMap& map = *job.map;
     const PinholeView& view = *job.view;
     const FaceAxes axes = axes_of_face(view, kOneFace ? face : 0);
@@ -84,25 +114,14 @@ void lookup_pixels(const LookupJob& job, const TileRequest& tile, int face, std:
     const VI last = hn::Set(di, map.size - 2);
     const VI row_step = hn::Set(di, map.size);
     const VI lane = hn::Iota(di, 0);
-    const auto* colors = map.colors.data();
-    const auto* instances = map.visibility.instance.data();
-    const auto* triangles = map.visibility.triangle.data();
-    const float* depths = map.visibility.depth.data();
-    const auto* record_pairs = reinterpret_cast<const std::int32_t*>(map.records.data());
-    const bool wants_visibility = job.target.visibility != nullptr;
-
     for (int j = 0; j < kTileSize; ++j) {
         if (tile.rows[j] == 0) continue;
-        const int y = int(tile.y) + j;
-        const float v = (float(y) + 0.5f) * view.v_step + view.v_first;
+        const float v = (float(int(tile.y) + j) + 0.5f) * view.v_step + view.v_first;
         for (int i = 0; i < kTileSize; i += int(hn::Lanes(df))) {
-            const VI bits = hn::ShiftLeft<0>(hn::Set(di, tile.rows[j] >> i));
-            auto wanted = hn::Ne(hn::And(bits, hn::Shl(hn::Set(di, 1), lane)), hn::Zero(di));
-            const int x = int(tile.x) + i;
-            const VF u = hn::MulAdd(hn::Add(hn::ConvertTo(df, lane), hn::Set(df, float(x) + 0.5f)),
-                                    hn::Set(df, view.u_step), hn::Set(df, view.u_first));
-
-            // The pixel's ray on the cube.
+            const int pixel = j * kTileSize + i;
+            const float x = float(int(tile.x) + i) + 0.5f;
+            const VF u = hn::MulAdd(hn::Add(hn::ConvertTo(df, lane), hn::Set(df, x)), hn::Set(df, view.u_step),
+                                    hn::Set(df, view.u_first));
             VF a, b, axis;
             VI base;
             if constexpr (kOneFace) {
@@ -126,9 +145,8 @@ void lookup_pixels(const LookupJob& job, const TileRequest& tile, int face, std:
                 const VF along = hn::IfThenElse(on_x, dx, hn::IfThenElse(on_y, dy, dz));
                 const VI negative = hn::ShiftRight<31>(hn::BitCast(di, along));  // 0 or -1
                 const auto on_xi = hn::RebindMask(di, on_x), on_yi = hn::RebindMask(di, on_y);
-                const VI faces =
-                    hn::Sub(hn::IfThenElse(on_xi, hn::Zero(di), hn::IfThenElse(on_yi, hn::Set(di, 2), hn::Set(di, 4))),
-                            negative);
+                const VI of_axis = hn::IfThenElse(on_yi, hn::Set(di, 2), hn::Set(di, 4));
+                const VI faces = hn::Sub(hn::IfThenZeroElse(on_xi, of_axis), negative);
                 base = hn::Mul(faces, hn::Set(di, map.size * map.size));
             }
             const VF inverse = hn::Div(hn::Set(df, 1.0f), axis);
@@ -143,44 +161,83 @@ void lookup_pixels(const LookupJob& job, const TileRequest& tile, int face, std:
             };
             const VI wx = sixteenths(tx, ix), wy = sixteenths(ty, iy);
             const VI at = hn::Add(hn::Add(base, ix), hn::Mul(iy, row_step));
-            const VI below = hn::Add(at, row_step);
-            const auto right_nearer = hn::Gt(wx, hn::Set(di, 8)), lower_nearer = hn::Gt(wy, hn::Set(di, 8));
+            const VI eight = hn::Set(di, 8);
+            const VI right = hn::IfThenElseZero(hn::Gt(wx, eight), hn::Set(di, 1));
+            const VI down = hn::IfThenElseZero(hn::Gt(wy, eight), row_step);
+            hn::Store(at, di, out.quad + pixel);
+            hn::Store(hn::Add(at, hn::Add(right, down)), di, out.nearest + pixel);
+            hn::Store(wx, di, out.weight_x + pixel);
+            hn::Store(wy, di, out.weight_y + pixel);
+            hn::Store(inverse, df, out.inverse_axis + pixel);
+        }
+    }
+}
 
-            const VU c00 = hn::GatherIndex(du, colors, at);
-            const VU c01 = hn::GatherIndex(du, colors + 1, at);
-            const VU c10 = hn::GatherIndex(du, colors, below);
-            const VU c11 = hn::GatherIndex(du, colors + 1, below);
+/// Mixes, checks and stores what the map holds of a tile's pixels.
+/// @tparam kCheck  texels have to be looked at one by one; else all are good, of one record
+template <bool kCheck>
+void resolve(const LookupJob& job, const TileRequest& tile, std::uint32_t record, const TileSamples& in,
+             TileClasses& out) {
+    const DF df;
+    const DI di;
+    const DU du;
+    const hn::Rebind<std::uint8_t, DI> d8;
+    const PinholeView& view = *job.view;
+    const VI lane = hn::Iota(di, 0);
+    const bool wants_visibility = job.target.visibility != nullptr;
+    for (int j = 0; j < kTileSize; ++j) {
+        if (tile.rows[j] == 0) continue;
+        const int y = int(tile.y) + j;
+        const float v = (float(y) + 0.5f) * view.v_step + view.v_first;
+        for (int i = 0; i < kTileSize; i += int(hn::Lanes(df))) {
+            const int pixel = j * kTileSize + i;
+            const int x = int(tile.x) + i;
+            const VI bits = hn::Set(di, tile.rows[j] >> i);
+            auto wanted = hn::Ne(hn::And(bits, hn::Shl(hn::Set(di, 1), lane)), hn::Zero(di));
+            const VI wx = hn::Load(di, in.weight_x + pixel), wy = hn::Load(di, in.weight_y + pixel);
+            VU c00, c01, c10, c11;
+            hn::LoadInterleaved2(du, in.upper_colors + 2 * pixel, c00, c01);
+            hn::LoadInterleaved2(du, in.lower_colors + 2 * pixel, c10, c11);
             const VI quad = hn::BitCast(di, hn::ShiftRight<24>(c00));
             VU color = mix_quad(c00, c01, c10, c11, hn::BitCast(du, wx), hn::BitCast(du, wy));
+            const VF inverse = hn::Load(df, in.inverse_axis + pixel);
 
-            VI near_record = hn::Set(di, int(record));
+            VF moved_z = hn::Set(df, job.moved_z[record]);
             if constexpr (kCheck) {
-                // Two texels' records in one 32-bit load each.
-                const VI upper = hn::GatherOffset(di, record_pairs, hn::ShiftLeft<1>(at));
-                const VI lower = hn::GatherOffset(di, record_pairs, hn::ShiftLeft<1>(below));
+                const auto right_nearer = hn::Gt(wx, hn::Set(di, 8)), lower_nearer = hn::Gt(wy, hn::Set(di, 8));
+                const VI upper = hn::Load(di, in.upper_records + pixel), lower = hn::Load(di, in.lower_records + pixel);
+                const VI low_half = hn::Set(di, 0xFFFF);
                 const VI pair = hn::IfThenElse(lower_nearer, lower, upper);
-                near_record =
-                    hn::And(hn::IfThenElse(right_nearer, hn::ShiftRight<16>(pair), pair), hn::Set(di, 0xFFFF));
-                const auto same =
-                    hn::And(hn::Eq(upper, lower), hn::Eq(hn::And(upper, hn::Set(di, 0xFFFF)),
-                                                         hn::And(hn::ShiftRight<16>(upper), hn::Set(di, 0xFFFF))));
+                const VI near_record = hn::And(hn::IfThenElse(right_nearer, hn::ShiftRight<16>(pair), pair), low_half);
+                const auto same = hn::And(hn::Eq(upper, lower), hn::Eq(hn::And(upper, low_half),
+                                                                       hn::And(hn::ShiftRight<16>(upper), low_half)));
                 const auto use_quad = hn::And(same, hn::Gt(quad, hn::Set(di, int(kQuadHoles))));
-                const VU upper_color = hn::IfThenElse(hn::RebindMask(du, right_nearer), c01, c00);
-                const VU lower_color = hn::IfThenElse(hn::RebindMask(du, right_nearer), c11, c10);
-                const VU nearest = hn::IfThenElse(hn::RebindMask(du, lower_nearer), lower_color, upper_color);
+                const auto right_u = hn::RebindMask(du, right_nearer), lower_u = hn::RebindMask(du, lower_nearer);
+                const VU nearest =
+                    hn::IfThenElse(lower_u, hn::IfThenElse(right_u, c11, c10), hn::IfThenElse(right_u, c01, c00));
                 color = hn::IfThenElse(hn::RebindMask(du, use_quad), color, hn::Or(nearest, hn::Set(du, 0xFF000000u)));
 
-                const VF t00 = hn::GatherIndex(df, depths, at), t01 = hn::GatherIndex(df, depths + 1, at);
-                const VF t10 = hn::GatherIndex(df, depths, below), t11 = hn::GatherIndex(df, depths + 1, below);
+                VF t00, t01, t10, t11;
+                hn::LoadInterleaved2(df, in.upper_depths + 2 * pixel, t00, t01);
+                hn::LoadInterleaved2(df, in.lower_depths + 2 * pixel, t10, t11);
                 const auto rn = hn::RebindMask(df, right_nearer), ln = hn::RebindMask(df, lower_nearer);
                 const VF nearest_t = hn::IfThenElse(ln, hn::IfThenElse(rn, t11, t10), hn::IfThenElse(rn, t01, t00));
                 const VF least_t = hn::Min(hn::Min(t00, t01), hn::Min(t10, t11));
                 const VF t = hn::IfThenElse(hn::RebindMask(df, use_quad), least_t, nearest_t);
 
-                // Where the texel's point lies on the screen now: exact for a point at that depth.
-                const VF ex = hn::GatherIndex(df, job.moved_x, near_record);
-                const VF ey = hn::GatherIndex(df, job.moved_y, near_record);
-                const VF ez = hn::GatherIndex(df, job.moved_z, near_record);
+                // Where the texel's point lies on the screen now: exact for a point at that depth. Mostly all lanes
+                // have one record.
+                const std::uint32_t first = std::uint32_t(hn::GetLane(near_record));
+                VF ex = hn::Set(df, job.moved_x[first]), ey = hn::Set(df, job.moved_y[first]);
+                VF ez = hn::Set(df, job.moved_z[first]);
+                if (!hn::AllTrue(di, hn::Eq(near_record, hn::Set(di, int(first))))) {
+                    ex = hn::GatherIndex(df, job.moved_x, near_record);
+                    ey = hn::GatherIndex(df, job.moved_y, near_record);
+                    ez = hn::GatherIndex(df, job.moved_z, near_record);
+                }
+                moved_z = ez;
+                const VF u = hn::MulAdd(hn::Add(hn::ConvertTo(df, lane), hn::Set(df, float(x) + 0.5f)),
+                                        hn::Set(df, view.u_step), hn::Set(df, view.u_first));
                 const VF depth = hn::Max(hn::MulAdd(t, inverse, ez), hn::Set(df, 1e-6f));
                 const VF px = hn::MulAdd(u, ez, ex);
                 const VF py = hn::MulAdd(hn::Set(df, v), ez, ey);
@@ -195,8 +252,6 @@ void lookup_pixels(const LookupJob& job, const TileRequest& tile, int face, std:
                 VI classes = hn::IfThenElseZero(edge, hn::Set(di, kClassEdge));
                 classes = hn::IfThenElse(stale, bins_of(measure), classes);
                 classes = hn::IfThenElse(never, hn::Set(di, kClassNever), classes);
-                const hn::Rebind<std::uint8_t, DI> d8;
-                const int pixel = j * kTileSize + i;
                 hn::StoreU(hn::DemoteTo(d8, classes), d8, out.classes.data() + pixel);
                 const auto still = hn::RebindMask(di, hn::Eq(parallax, hn::Zero(df)));
                 hn::StoreU(hn::DemoteTo(d8, hn::IfThenZeroElse(still, bins_of(parallax))), d8,
@@ -206,9 +261,8 @@ void lookup_pixels(const LookupJob& job, const TileRequest& tile, int face, std:
             } else {
                 const auto smooth = hn::Eq(quad, hn::Set(di, int(kQuadSmooth)));
                 if (!hn::AllTrue(di, smooth)) {
-                    const hn::Rebind<std::uint8_t, DI> d8;
                     const VI classes = hn::IfThenZeroElse(smooth, hn::Set(di, kClassEdge));
-                    hn::StoreU(hn::DemoteTo(d8, classes), d8, out.classes.data() + j * kTileSize + i);
+                    hn::StoreU(hn::DemoteTo(d8, classes), d8, out.classes.data() + pixel);
                     out.any = true;
                 }
             }
@@ -224,13 +278,10 @@ void lookup_pixels(const LookupJob& job, const TileRequest& tile, int face, std:
             if (!wants_visibility) continue;
             VisibilityBuffer& target = *job.target.visibility;
             const std::size_t to = target.index(x, y);
-            const VI one_right = hn::IfThenElseZero(right_nearer, hn::Set(di, 1));
-            const VI nearest_at = hn::Add(hn::IfThenElse(lower_nearer, below, at), one_right);
-            put(du, hn::GatherIndex(du, instances, nearest_at), target.instance.data() + to);
-            put(du, hn::GatherIndex(du, triangles, nearest_at), target.triangle.data() + to);
-            VF moved = hn::Set(df, job.moved_z[record]);
-            if constexpr (kCheck) moved = hn::GatherIndex(df, job.moved_z, near_record);
-            put(df, hn::MulAdd(hn::GatherIndex(df, depths, nearest_at), inverse, moved), target.depth.data() + to);
+            put(df, hn::MulAdd(hn::Load(df, in.depths + pixel), inverse, moved_z), target.depth.data() + to);
+            if (job.target.depth_only) continue;
+            put(du, hn::Load(du, in.instances + pixel), target.instance.data() + to);
+            put(du, hn::Load(du, in.triangles + pixel), target.triangle.data() + to);
         }
     }
 }
@@ -238,10 +289,13 @@ void lookup_pixels(const LookupJob& job, const TileRequest& tile, int face, std:
 void LookupTile(const LookupJob& job, const TileRequest& tile, TileClasses& out) {
     const PanoramaMap& map = *job.map;
     out.any = false;
+    TileSamples samples;
     const TileFootprint footprint = footprint_of(map, *job.view, tile);
     if (footprint.face < 0) {
         out.checked = true;
-        lookup_pixels<false, true>(job, tile, 0, kNeverTraced, out);
+        project<false>(job, tile, 0, samples);
+        fetch(job, tile, true, samples);
+        resolve<true>(job, tile, kNeverTraced, samples, out);
         return;
     }
     // Where all texels are good, of one record, nothing has to be looked at but colours.
@@ -256,12 +310,14 @@ void LookupTile(const LookupJob& job, const TileRequest& tile, TileClasses& out)
             bound = std::max(bound, tile_parallax_bound(job, texels));
         }
     out.checked = !good;
+    project<true>(job, tile, footprint.face, samples);
+    fetch(job, tile, !good, samples);
     if (good) {
         std::memset(out.classes.data(), kClassGood, out.classes.size());
         out.tile_parallax = bin_of(bound);
-        lookup_pixels<true, false>(job, tile, footprint.face, first.record, out);
+        resolve<false>(job, tile, first.record, samples, out);
     } else {
-        lookup_pixels<true, true>(job, tile, footprint.face, kNeverTraced, out);
+        resolve<true>(job, tile, kNeverTraced, samples, out);
     }
 }
 
@@ -319,6 +375,43 @@ HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
 namespace ff::farfield::panorama {
+
+void fetch(const LookupJob& job, const TileRequest& tile, bool check, TileSamples& samples) {
+    const PanoramaMap& map = *job.map;
+    const std::size_t row_step = std::size_t(map.size);
+    const auto copy = [](void* to, const void* from, auto bytes) { std::memcpy(to, from, bytes); };
+    constexpr std::integral_constant<std::size_t, 8> kTwo32;
+    constexpr std::integral_constant<std::size_t, 4> kTwo16;
+    const std::uint32_t* colors = map.colors.data();
+    const float* depths = map.visibility.depth.data();
+    const std::uint16_t* records = map.records.data();
+    for (int j = 0; j < kTileSize; ++j) {
+        if (tile.rows[j] == 0) continue;
+        const std::size_t first = std::size_t(j) * kTileSize;
+        for (std::size_t p = first; p < first + kTileSize; ++p) {
+            const auto at = std::size_t(samples.quad[p]);
+            copy(samples.upper_colors + 2 * p, colors + at, kTwo32);
+            copy(samples.lower_colors + 2 * p, colors + at + row_step, kTwo32);
+        }
+        if (check)
+            for (std::size_t p = first; p < first + kTileSize; ++p) {
+                const auto at = std::size_t(samples.quad[p]);
+                copy(samples.upper_depths + 2 * p, depths + at, kTwo32);
+                copy(samples.lower_depths + 2 * p, depths + at + row_step, kTwo32);
+                copy(samples.upper_records + p, records + at, kTwo16);
+                copy(samples.lower_records + p, records + at + row_step, kTwo16);
+            }
+        if (job.target.visibility == nullptr) continue;
+        for (std::size_t p = first; p < first + kTileSize; ++p)
+            samples.depths[p] = depths[std::size_t(samples.nearest[p])];
+        if (job.target.depth_only) continue;
+        for (std::size_t p = first; p < first + kTileSize; ++p) {
+            const auto at = std::size_t(samples.nearest[p]);
+            samples.instances[p] = map.visibility.instance[at];
+            samples.triangles[p] = map.visibility.triangle[at];
+        }
+    }
+}
 
 HWY_EXPORT(LookupTile);
 HWY_EXPORT(UpdateQuads);
