@@ -1,0 +1,45 @@
+// The walkthrough's window under a virtual display, moved by real key events.
+
+#include <gtest/gtest.h>
+
+#include "tests/e2e/run_process.h"
+
+namespace ff::test {
+namespace {
+
+TEST(Window, keys_move_the_camera_and_escape_ends) {
+    if (run("command -v xvfb-run && command -v xdotool").exit_code != 0)
+        GTEST_SKIP() << "xvfb-run or xdotool is not installed (tools/setup installs both)";
+    const auto out = scratch() / "window";
+    const auto script = scratch() / "play.sh";
+    // F12 saves a picture. The first key takes the camera over, so both pictures are of a camera that stands still.
+    write_file(script, R"(set -eu
+)" FF_BINARY R"( walk "$1" --window --walk turn --size 320x240 --out "$2" &
+tool=$!
+wait_for() { for _ in $(seq 600); do [ -e "$1" ] && return; sleep 0.1; done; echo "no $1"; exit 1; }
+for _ in $(seq 600); do window=$(xdotool search --name Farfield | head -1) && [ -n "$window" ] && break; sleep 0.1; done
+xdotool windowfocus "$window"
+sleep 1
+xdotool key --window "$window" Left
+sleep 0.5
+xdotool key --window "$window" F12
+wait_for "$2/picture1.png"
+xdotool keydown --window "$window" w; sleep 1.5; xdotool keyup --window "$window" w
+sleep 0.5
+xdotool key --window "$window" F12
+wait_for "$2/picture2.png"
+xdotool key --window "$window" F1
+sleep 0.5
+xdotool key --window "$window" Escape
+wait $tool
+)");
+    const ProcessResult result = run("XDG_CACHE_HOME=" + (scratch() / "cache").string() +
+                                     " timeout 200 xvfb-run -a -s '-screen 0 800x600x24' bash " + script.string() +
+                                     " " + hamlet_pack().string() + " " + out.string());
+    ASSERT_EQ(result.exit_code, 0) << result.out << result.err;
+    const double psnr = psnr_db(out / "picture1.png", out / "picture2.png");
+    EXPECT_LT(psnr, 35.0) << "the picture did not change while W was held";
+}
+
+}  // namespace
+}  // namespace ff::test
