@@ -132,7 +132,8 @@ ColumnRange HorizonMap::with_margin(const scene::StaticScene* scene, const scene
 
 HorizonWedges HorizonMap::wedges(float near_distance) const {
     const int columns = settings_.columns / settings_.subsample;
-    return {columns, max_x_.data(), max_z_.data(), min_x_.data(), min_z_.data(), margin_of(columns), near_distance};
+    return {columns,       max_x_.data(),      max_z_.data(), min_x_.data(),
+            min_z_.data(), margin_of(columns), near_distance, 1.0f / near_distance};
 }
 
 HorizonCost HorizonMap::trace(const scene::StaticScene* scene, const scene::HeightGrid& grid, const WorldPos& eye,

@@ -9,6 +9,7 @@
 
 #include <hwy/highway.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <limits>
 
@@ -91,25 +92,39 @@ HWY_INLINE V tangents_of(const HorizonWedges& wedges, std::size_t c, V rise, V a
 
 /// Bounds over a square's columns, by which its children are judged all at once.
 struct Survey {
-    bool raises = false;               ///< the square itself raises some column
     float lowest;                      ///< of the tangents so far
     float max_x, max_z, min_x, min_z;  ///< of the wedges
 };
 
+/// Whether a bound raises any of its columns.
 template <bool kAbove>
-Survey survey_columns(const HorizonWedges& wedges, const Bound& bound, const float* tangents) {
+HWY_INLINE bool raises_any(const HorizonWedges& wedges, const Bound& bound, const float* tangents) {
     const V rise = hn::Set(d, bound.rise), a = hn::Set(d, bound.a), b = hn::Set(d, bound.b);
-    const V inverse_near = hn::Set(d, 1.0f / wedges.near_distance);
+    const V inverse_near = hn::Set(d, wedges.inverse_near);
+    const auto range = [&](int first, int last) HWY_ATTR {
+        for (int c = first; c < last; c += int(hn::Lanes(d))) {
+            const auto higher = hn::Gt(tangents_of<kAbove>(wedges, std::size_t(c), rise, a, b, inverse_near),
+                                       hn::LoadU(d, tangents + c));
+            if (!hn::AllFalse(d, hn::And(higher, hn::FirstN(d, std::size_t(last - c))))) return true;
+        }
+        return false;
+    };
+    const int end = bound.first + bound.count;
+    if (HWY_LIKELY(end <= wedges.columns)) return range(bound.first, end);
+    return range(bound.first, wedges.columns) || range(0, end - wedges.columns);
+}
+
+HWY_INLINE bool raises_any_sign(const HorizonWedges& wedges, const Bound& bound, const float* tangents) {
+    return bound.rise > 0.0f ? raises_any<true>(wedges, bound, tangents) : raises_any<false>(wedges, bound, tangents);
+}
+
+inline Survey survey_columns(const HorizonWedges& wedges, const Bound& bound, const float* tangents) {
     V lowest = hn::Set(d, std::numeric_limits<float>::infinity());
     V max_x = hn::Zero(d), max_z = max_x, min_x = hn::Set(d, 1.0f), min_z = min_x;
-    auto raises = hn::Gt(max_x, min_x);
     const auto range = [&](int first, int last) HWY_ATTR {
         for (int c = first; c < last; c += int(hn::Lanes(d))) {
             const auto inside = hn::FirstN(d, std::size_t(last - c));
-            const V old =
-                hn::IfThenElse(inside, hn::LoadU(d, tangents + c), hn::Set(d, std::numeric_limits<float>::infinity()));
-            raises = hn::Or(raises, hn::Gt(tangents_of<kAbove>(wedges, std::size_t(c), rise, a, b, inverse_near), old));
-            lowest = hn::Min(lowest, old);
+            lowest = hn::IfThenElse(inside, hn::Min(lowest, hn::LoadU(d, tangents + c)), lowest);
             max_x = hn::Max(max_x, hn::IfThenElseZero(inside, hn::LoadU(d, wedges.max_x + c)));
             max_z = hn::Max(max_z, hn::IfThenElseZero(inside, hn::LoadU(d, wedges.max_z + c)));
             min_x = hn::IfThenElse(inside, hn::Min(min_x, hn::LoadU(d, wedges.min_x + c)), min_x);
@@ -120,8 +135,6 @@ Survey survey_columns(const HorizonWedges& wedges, const Bound& bound, const flo
     range(bound.first, std::min(end, wedges.columns));
     if (end > wedges.columns) range(0, end - wedges.columns);
     Survey survey;
-    survey.raises = !hn::AllFalse(d, raises);
-    if (!survey.raises) return survey;
     survey.lowest = hn::GetLane(hn::MinOfLanes(d, lowest));
     survey.max_x = hn::GetLane(hn::MaxOfLanes(d, max_x));
     survey.max_z = hn::GetLane(hn::MaxOfLanes(d, max_z));
@@ -134,7 +147,7 @@ Survey survey_columns(const HorizonWedges& wedges, const Bound& bound, const flo
 template <bool kAbove>
 void raise(const HorizonWedges& wedges, const Bound& bound, std::uint32_t id, float* tangents, std::uint32_t* winner) {
     const V rise = hn::Set(d, bound.rise), a = hn::Set(d, bound.a), b = hn::Set(d, bound.b);
-    const V inverse_near = hn::Set(d, 1.0f / wedges.near_distance);
+    const V inverse_near = hn::Set(d, wedges.inverse_near);
     const auto ids = hn::Set(di, std::int32_t(id));
     const int end = bound.first + bound.count;
     const auto range = [&](int first, int last) HWY_ATTR {

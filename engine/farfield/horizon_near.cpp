@@ -76,11 +76,6 @@ class NearWalk {
         });
     }
 
-    bool raises(const Bound& bound) const {
-        return bound.rise > 0.0f ? survey_columns<true>(in_.wedges, bound, tangents_).raises
-                                 : survey_columns<false>(in_.wedges, bound, tangents_).raises;
-    }
-
     template <class Leaf>
     void walk_nodes(const scene::BvhNode* nodes, const Placement& placement, const Leaf& at_leaf) {
         // 15 siblings wait on each level; no BVH of a world that fits in memory is deeper.
@@ -89,7 +84,7 @@ class NearWalk {
         int top = expand(nodes[0], placement, stack, 0);
         while (top > 0) {
             const Candidate candidate = stack[--top];
-            if (!raises(candidate)) continue;
+            if (!raises_any_sign(in_.wedges, candidate, tangents_)) continue;
             if (candidate.id & scene::kBvhLeafBit) {
                 Candidate leaf = candidate;
                 leaf.id &= ~scene::kBvhLeafBit;

@@ -26,6 +26,9 @@ namespace ff::farfield {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
+/// Distance from which squares of twice the size will do, per column of the circle: they are then at most as wide as
+/// 1.6 columns.
+constexpr float kDistantSquaresPerColumn = 0.2f;
 constexpr float kSlackSquares = 1e-6f;  // covers the rounding of offsets beside the eye
 
 struct Square : Bound {
@@ -132,34 +135,62 @@ std::uint32_t compute_promising(const HorizonTraceInput& in, int level, const Su
     return bits;
 }
 
-void raise_by(const HorizonTraceInput& in, const Square& square, float* tangents, std::uint32_t* winner) {
-    raise_any_sign(in.wedges, square, std::uint32_t(square.z << in.size_log2 | square.x), tangents, winner);
+/// The name of a square of the finest level; of a coarser one, that of the tallest in it.
+HWY_INLINE std::uint32_t winner_id(const HorizonTraceInput& in, const Square& square) {
+    int x = square.x, z = square.z;
+    for (int level = square.level; level > in.finest_level; --level) {
+        const float* below = in.level_heights[level - 1];
+        const int row = 1 << (in.size_log2 - level + 1);
+        x *= 2;
+        z *= 2;
+        int tallest = 0;
+        for (int child = 1; child < 4; ++child)
+            if (below[(z + child / 2) * row + x + child % 2] > below[(z + tallest / 2) * row + x + tallest % 2])
+                tallest = child;
+        x += tallest % 2;
+        z += tallest / 2;
+    }
+    return std::uint32_t(z << in.size_log2 | x);
 }
 
-/// Collects squares of the finest level until there are sixteen, then raises the columns by them.
+void raise_by(const HorizonTraceInput& in, const Square& square, float* tangents, std::uint32_t* winner) {
+    // Naming a coarse one costs cache misses: only where it wins.
+    if (square.level > in.finest_level && !raises_any_sign(in.wedges, square, tangents)) return;
+    raise_any_sign(in.wedges, square, winner_id(in, square), tangents, winner);
+}
+
+/// Whether squares one level above the finest are still hardly wider than a column, from any part of this one: then
+/// they are taken instead. Depends on places alone, so the result still does not depend on the order of the walk.
+HWY_INLINE bool is_distant(const HorizonTraceInput& in, const Square& square) {
+    const int size = 1 << square.level;
+    const int x = (square.x << square.level) - in.eye_x, z = (square.z << square.level) - in.eye_z;
+    const int gap = std::max(std::max(x, -x - size), std::max(z, -z - size));
+    return float(gap) > kDistantSquaresPerColumn * float(in.wedges.columns) * float(1 << in.finest_level);
+}
+
+/// Collects squares of one level until there are sixteen, then raises the columns by them.
 class Primer {
   public:
-    Primer(const HorizonTraceInput& in, float* tangents, std::uint32_t* winner)
-        : in_(in), tangents_(tangents), winner_(winner) {}
+    Primer(const HorizonTraceInput& in, int level, float* tangents, std::uint32_t* winner)
+        : in_(in), level_(level), tangents_(tangents), winner_(winner) {}
     ~Primer() { flush(); }
     void add(int x, int z) {
         batch_.x[count_] = x;
         batch_.z[count_] = z;
-        batch_.height[count_] = in_.level_heights[in_.finest_level][(z << (in_.size_log2 - in_.finest_level)) + x];
+        batch_.height[count_] = in_.level_heights[level_][(z << (in_.size_log2 - level_)) + x];
         if (++count_ == 16) flush();
     }
-    std::uint32_t squares = 0;
 
   private:
     void flush() {
         if (count_ == 0) return;
         for (int i = count_; i < 16; ++i) batch_.x[i] = batch_.z[i] = 0, batch_.height[i] = 0.0f;
-        compute_bounds(in_, in_.finest_level, batch_);
-        for (int i = 0; i < count_; ++i) raise_by(in_, batch_.at(i, in_.finest_level), tangents_, winner_);
-        squares += std::uint32_t(count_);
+        compute_bounds(in_, level_, batch_);
+        for (int i = 0; i < count_; ++i) raise_by(in_, batch_.at(i, level_), tangents_, winner_);
         count_ = 0;
     }
     const HorizonTraceInput& in_;
+    const int level_;
     float* tangents_;
     std::uint32_t* winner_;
     Batch batch_;
@@ -197,7 +228,8 @@ void descend_to_tallest(const HorizonTraceInput& in, int coarse, int fine, std::
 /// @return false where there was no guess.
 bool prime(const HorizonTraceInput& in, const std::uint32_t* guess, float* tangents, std::uint32_t* winner,
            std::uint32_t& squares) {
-    Primer primer(in, tangents, winner);
+    const int finest = in.finest_level;
+    Primer near_squares(in, finest, tangents, winner), distant_squares(in, finest + 1, tangents, winner);
     const std::uint32_t mask = (1u << in.size_log2) - 1;
     std::uint32_t last = kNoSquare;
     bool guessed = false;
@@ -206,10 +238,18 @@ bool prime(const HorizonTraceInput& in, const std::uint32_t* guess, float* tange
         if (square == last || square == kNoSquare) continue;
         last = square;
         if (tangents[c] == std::numeric_limits<float>::infinity()) continue;  // not wanted
-        primer.add(int(square & mask), int(square >> in.size_log2));
+        const int x = int(square & mask), z = int(square >> in.size_log2);
+        Square parent{};  // as the walk will judge it
+        parent.x = x >> 2;
+        parent.z = z >> 2;
+        parent.level = finest + 2;
+        if (is_distant(in, parent))
+            distant_squares.add(x >> 1, z >> 1);
+        else
+            near_squares.add(x, z);
+        ++squares;
         guessed = true;
     }
-    squares += primer.squares;
     return guessed;
 }
 
@@ -224,6 +264,21 @@ void load_children(const HorizonTraceInput& in, const Square& parent, int level,
         hn::Store(x, di4, batch.x + 4 * j);
         hn::Store(hn::Set(di4, parent.z * 4 + j), di4, batch.z + 4 * j);
         hn::Store(hn::LoadU(d4, heights + std::ptrdiff_t(j) * row), d4, batch.height + 4 * j);
+    }
+}
+
+/// Puts the four squares of `level` that make up `parent` into the batch, and nothing into the rest.
+void load_quarters(const HorizonTraceInput& in, const Square& parent, int level, Batch& batch) {
+    const int row = 1 << (in.size_log2 - level);
+    for (int i = 0; i < 4; ++i) {
+        batch.x[i] = parent.x * 2 + i % 2;
+        batch.z[i] = parent.z * 2 + i / 2;
+        batch.height[i] = in.level_heights[level][std::ptrdiff_t(batch.z[i]) * row + batch.x[i]];
+    }
+    for (int i = 4; i < 16; ++i) {
+        batch.x[i] = batch.x[0];
+        batch.z[i] = batch.z[0];
+        batch.height[i] = -std::numeric_limits<float>::infinity();
     }
 }
 
@@ -270,14 +325,18 @@ std::uint32_t walk_grid(const HorizonTraceInput& in, float* tangents, std::uint3
             raise_by(in, bound, tangents, winner);
             continue;
         }
-        const Survey survey = bound.rise > 0.0f ? survey_columns<true>(in.wedges, bound, tangents)
-                                                : survey_columns<false>(in.wedges, bound, tangents);
-        if (!survey.raises) continue;
-        const int level = bound.level - 2;
-        load_children(in, bound, level, batch);
-        squares += 16;
+        if (!raises_any_sign(in.wedges, bound, tangents)) continue;
+        const Survey survey = survey_columns(in.wedges, bound, tangents);
+        int level = bound.level - 2;
+        if (level == in.finest_level && is_distant(in, bound)) {
+            load_quarters(in, bound, ++level, batch);
+            squares += 4;
+        } else {
+            load_children(in, bound, level, batch);
+            squares += 16;
+        }
         std::uint32_t bits = compute_promising(in, level, survey, batch);
-        if (level == in.finest_level) {
+        if (level <= in.finest_level + 1) {
             for (; bits != 0; bits &= bits - 1) raise_by(in, batch.at(std::countr_zero(bits), level), tangents, winner);
         } else {
             // Nearest last, so that they are taken first and hide the others.

@@ -15,6 +15,7 @@ struct HorizonWedges {
     const float *max_x, *max_z, *min_x, *min_z;
     float column_margin = 0;  ///< columns by which intervals are widened
     float near_distance = 0;  ///< nothing counts as nearer; in the unit of the walk
+    float inverse_near = 0;   ///< its inverse, +inf for 0
 };
 
 /// All lengths in squares of level 0, all positions relative to the eye's grid corner (eye_x, eye_z) + (frac_x,

@@ -26,6 +26,7 @@ WorldPos eye_at(int frame, double height) {
 /// Arguments: eye height in metres, subsample, near distance.
 void all_azimuths_while_walking(benchmark::State& state) {
     HorizonMap map({.near_distance_m = float(state.range(2)), .subsample = int(state.range(1))});
+    map.update(valley().grid, eye_at(-1, double(state.range(0))), {0, map.settings().columns});
     int frame = 0;
     std::uint64_t squares = 0;
     for (auto _ : state) {
