@@ -118,6 +118,14 @@ TEST_F(CookDriver, an_error_leaves_the_old_pack_untouched) {
         EXPECT_EQ(entry.path().string().find(".part"), std::string::npos) << "nothing half-written stays";
 }
 
+TEST_F(CookDriver, a_pack_over_its_source_or_in_no_folder_is_refused_before_work_begins) {
+    write_model(folder_);
+    const std::string before = pack_bytes("model.glb");
+    EXPECT_FALSE(cook::cook(folder_ / "model.glb", folder_ / "model.glb", with_cache()));
+    EXPECT_EQ(pack_bytes("model.glb"), before);
+    EXPECT_FALSE(cook::cook(folder_ / "model.glb", folder_ / "none/w.ffpack", with_cache()));
+}
+
 TEST_F(CookDriver, sources_of_unknown_kind_and_models_without_triangles_are_errors) {
     write_bytes(folder_ / "scene.obj", "v 0 0 0");
     const auto unknown = cook::cook(folder_ / "scene.obj", folder_ / "w.ffpack", with_cache());

@@ -4,6 +4,7 @@
 
 #include <cctype>
 #include <nlohmann/json.hpp>
+#include <system_error>
 
 #include "engine/core/jobs.h"
 #include "engine/core/stopwatch.h"
@@ -72,6 +73,13 @@ Result<CookReport> cook(const std::filesystem::path& source, const std::filesyst
                         const CookSettings& settings) {
     if (settings.scale < 1 || settings.scale > 1000)
         return usage_error(fmt::format("scale {}; expected 1 to 1000", settings.scale));
+    // Said now rather than after minutes of work.
+    std::error_code error;
+    const std::filesystem::path folder = out.has_parent_path() ? out.parent_path() : std::filesystem::path(".");
+    if (!std::filesystem::is_directory(folder, error))
+        return failure(fmt::format("{}: no such folder; expected one for the pack", folder.string()));
+    if (std::filesystem::equivalent(source, out, error))
+        return usage_error(fmt::format("{}: source and pack at once; expected two files", out.string()));
     const WorkerLimit limit(settings.jobs);
     const Stopwatch whole;
     CookReport report;
