@@ -24,7 +24,9 @@
 namespace ff::farfield {
 
 struct HorizonSettings {
-    int columns = 1280;  ///< azimuths of the whole circle, a multiple of 4 in [64, 8192]
+    /// Azimuths of the whole circle, a multiple of 4 in [64, 8192]. Squares beyond a fifth as many squares from the eye
+    /// are taken two by two: they are then hardly wider than a column.
+    int columns = 1280;
     /// Everything static that is horizontally nearer than this is somebody else's (the near field draws it), and the
     /// horizon is that of the rest. Metres; 0: the horizon of everything.
     float near_distance_m = 0.0f;
