@@ -17,6 +17,7 @@ struct EmbreeOptions {
     bool compact = false;
 };
 
+/// The scene's arrays must outlive the caster: Embree reads indices and vertices in place where it can.
 std::unique_ptr<RayCaster> make_embree_caster(const scene::StaticScene& scene, const EmbreeOptions& options);
 
 }  // namespace ff::farfield

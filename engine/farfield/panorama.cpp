@@ -136,7 +136,8 @@ std::uint64_t Panorama::memory_bytes() const {
 }
 
 panorama::LookupJob Panorama::State::job(const PinholeView& view, const PanoramaLimits& limits) {
-    for (std::size_t i = 1; i < records.size(); ++i) {
+    const auto in_use = std::size_t(std::min<std::uint64_t>(records_made + 1, kRecordCount));
+    for (std::size_t i = 1; i < in_use; ++i) {
         const Vec3 moved = Vec3(view.position - records[i].position);
         moved_x[i] = glm::dot(moved, view.world_from_camera[0]);
         moved_y[i] = glm::dot(moved, view.world_from_camera[1]);
