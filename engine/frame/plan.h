@@ -30,6 +30,7 @@ struct FramePlan {
     bool trace_horizon = false;
     int horizon_subsample = 1;
     bool look_up_panorama = false;
+    bool store_panorama = false;  ///< enter what is cast, so that later frames may reuse it
     bool fill_panorama = false;  ///< cast whole tiles of the panorama ahead of the view: the viewer only turns or rests
     CasterKind caster = CasterKind::beam;
     std::uint64_t ray_budget = UINT64_MAX;

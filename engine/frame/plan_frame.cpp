@@ -112,10 +112,17 @@ void plan_frame(const scene::StaticScene& scene, std::span<const scene::Instance
     plan.software_opacity = settings.opacity == OpacityKind::software;
     plan.fill_panorama = settings.use_panorama && history.rest_frames >= kRestFrames;
     plan.look_up_panorama = settings.use_panorama && (choice.look_up_panorama || plan.fill_panorama);
+    // A frame that nearly fills its budget is remembered, for the next may not fit.
+    constexpr double kTightShare = 0.6;
+    const bool tight =
+        settings.budget_ms > 0.0 && (!history.has_frame || choice.predicted_ms > kTightShare * settings.budget_ms);
+    plan.store_panorama = settings.use_panorama && !plan.fill_panorama && (plan.look_up_panorama || tight);
     plan.ray_budget = choice.ray_budget;
     plan.predicted_ms = choice.predicted_ms;
-    // A budget that the exact frame exceeds by far also coarsens the skyline, conservatively (P0 section 6).
-    if (settings.budget_ms > 0.0 && choice.predicted_ms > settings.budget_ms) plan.horizon_subsample = 4;
+    // A skyline that eats a tenth of the budget is subsampled, conservatively (P0 section 6).
+    const double horizon_ms = history.costs.horizon_azimuth.ms_for(history.outlook.horizon_azimuths);
+    if (settings.budget_ms > 0.0 && horizon_ms > 0.1 * settings.budget_ms && !settings.deterministic)
+        plan.horizon_subsample = 2;
 }
 
 std::string to_text(const FramePlan& plan) {

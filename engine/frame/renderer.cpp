@@ -16,6 +16,7 @@ void learn_costs(const FrameStats& stats, budget::CostModel& costs) {
     const auto looked_up = double(stats.pixels.panorama + stats.pixels.cast_hit + stats.pixels.cast_miss);
     if (stats.ms(Pass::panorama) > 0.0) costs.lookup_pixel.observe(stats.ms(Pass::panorama), looked_up);
     if (stats.ms(Pass::store) > 0.0) costs.store_pixel.observe(stats.ms(Pass::store), double(stats.rays));
+    costs.horizon_azimuth.observe(stats.ms(Pass::horizon), double(stats.horizon_azimuths));
     if (stats.near_triangles > 0)
         costs.near_triangle.observe(stats.ms(Pass::near_field) - costs.near_fixed_ms, double(stats.near_triangles));
 }

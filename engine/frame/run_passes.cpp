@@ -147,20 +147,22 @@ shading::ShadeSettings shade_settings(const FramePlan& plan) {
     return {.prelit_beyond_m = plan.prelit_beyond_m};
 }
 
-/// Fills the map ahead where the plan says so, then answers from it what it can; the rest is left in history.requests.
-void look_up_panorama(const FramePlan& plan, const Tools& tools, FrameHistory& history, shading::Image& image,
-                      FrameStats& stats) {
+/// The map for frames like this one, told where the viewer stands.
+farfield::Panorama& begin_panorama(const FramePlan& plan, FrameHistory& history) {
     if (!history.panorama) {
         const int size = farfield::Panorama::face_size_for(plan.view);
         history.panorama = std::make_unique<farfield::Panorama>(farfield::PanoramaSettings{.face_size = size});
         history.panorama_colors.resize(size, 6 * size);
     }
+    history.panorama->begin_frame(plan.view.position);
+    return *history.panorama;
+}
+
+/// Fills the map ahead where the plan says so, then answers from it what it can; the rest is left in history.requests.
+void look_up_panorama(const FramePlan& plan, const Tools& tools, FrameHistory& history, shading::Image& image,
+                      FrameStats& stats) {
     farfield::Panorama& panorama = *history.panorama;
     farfield::PanoramaLimits limits{.max_parallax_px = plan.max_parallax_px, .ray_budget = plan.ray_budget};
-    {
-        const TimedPass timed(stats, Pass::panorama);
-        panorama.begin_frame(plan.view.position);
-    }
     if (plan.fill_panorama) {
         {
             const TimedPass timed(stats, Pass::panorama);
@@ -236,7 +238,7 @@ FrameStats run_passes(const FramePlan& plan, const Tools& tools, FrameHistory& h
     if (plan.trace_horizon) {
         const TimedPass timed(stats, Pass::horizon);
         history.horizon.set_quality(0.0f, plan.horizon_subsample);
-        history.horizon.update(tools.scene.height_grid, plan.view);
+        stats.horizon_azimuths = history.horizon.update(tools.scene.height_grid, plan.view).columns;
         farfield::find_sky_pixels(plan.view, history.horizon, sources.sky);
         remove(sources.near_field, sources.sky);
         stats.pixels.sky = sources.sky.count();
@@ -247,8 +249,14 @@ FrameStats run_passes(const FramePlan& plan, const Tools& tools, FrameHistory& h
     collect_requests(history.all_tiles, cheaper, history.wanted);
 
     // Panorama: pixels whose cached texel still looks right from here.
-    image.resize(plan.view.width, plan.view.height);
+    // What nobody answers within the budget keeps its colour of the last frame.
+    if (image.width != plan.view.width || image.height != plan.view.height)
+        image.resize(plan.view.width, plan.view.height);
     std::vector<TileRequest>* casts = &history.wanted;
+    if (plan.look_up_panorama || plan.store_panorama) {
+        const TimedPass timed(stats, Pass::panorama);
+        begin_panorama(plan, history);
+    }
     if (plan.look_up_panorama) {
         look_up_panorama(plan, tools, history, image, stats);
         casts = &history.requests;
@@ -276,7 +284,7 @@ FrameStats run_passes(const FramePlan& plan, const Tools& tools, FrameHistory& h
         stats.shaded_pixels += shading::shade_tiles(tools.scene, plan.dynamic, plan.view, visibility, history.to_shade,
                                                     shade_settings(plan), image);
     }
-    if (plan.look_up_panorama && !plan.fill_panorama) {
+    if (plan.store_panorama) {
         const TimedPass timed(stats, Pass::store);
         history.panorama->store(plan.view, *casts, visibility, image.pixels, image.stride);
     }

@@ -30,7 +30,8 @@ struct FrameStats {
     std::uint64_t rays = 0;
     std::uint64_t nodes_visited = 0;
     std::uint64_t triangles_tested = 0;
-    std::uint64_t near_triangles = 0;  ///< sent to OpenGL
+    std::uint64_t horizon_azimuths = 0;  ///< traced anew
+    std::uint64_t near_triangles = 0;    ///< sent to OpenGL
     std::uint64_t near_draws = 0;
     std::uint64_t shaded_pixels = 0;
     std::uint64_t opacity_missed = 0;  ///< near pixels that the opacity buffer did not know of

@@ -13,6 +13,7 @@ FramePlan plan_of(const FrameSettings& settings, int frames_at_rest) {
     const scene::StaticScene scene = data.view();
     FrameHistory history;
     history.reset(64, 48);
+    history.can_rasterise = true;
     FramePlan plan;
     for (int f = 0; f <= frames_at_rest; ++f) {
         plan_frame(scene, {}, {.position = {0, 2, 0}}, 64, 48, settings, history, plan);
