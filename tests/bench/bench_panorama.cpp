@@ -189,7 +189,7 @@ int main(int argc, char** argv) {
     blend.edges = farfield::EdgeRule::blend;
     farfield::PanoramaLimits by_distance = limits;
     by_distance.measure = farfield::ConfidenceMeasure::distance;
-    by_distance.max_distance_m = 0.25f;
+    by_distance.max_distance_m = 0.15f;  // about as many rays as the parallax limit asks for
     run(scene, *caster, "turn", turning, frames, settings, {"fill", true, limits}, images);
     run(scene, *caster, "turn", turning, frames, settings, {"fill-blend", true, blend}, images);
     run(scene, *caster, "turn", turning, frames, settings, {"store", false, limits}, images);
