@@ -238,7 +238,7 @@ FrameStats run_passes(const FramePlan& plan, const Tools& tools, FrameHistory& h
     if (plan.trace_horizon) {
         const TimedPass timed(stats, Pass::horizon);
         history.horizon.set_quality(0.0f, plan.horizon_subsample);
-        stats.horizon_azimuths = history.horizon.update(tools.scene.height_grid, plan.view).columns;
+        stats.horizon_azimuths = history.horizon.update(tools.scene, plan.view).columns;
         farfield::find_sky_pixels(plan.view, history.horizon, sources.sky);
         remove(sources.near_field, sources.sky);
         stats.pixels.sky = sources.sky.count();
