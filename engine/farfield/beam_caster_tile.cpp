@@ -336,17 +336,26 @@ HWY_INLINE VF farthest_under(VF x0, VF x1, VF y0, VF y1, const Tile& tile) {
 
 // Sets up kLanes triangles from `first` on; returns those that may win a pixel, as bits.
 // @tparam kProjected  every vertex of the leaf can be projected.
-template <bool kProjected>
-HWY_INLINE std::uint32_t set_up(const BvhLeaf& leaf, int first, const Tile& tile, LeafScratch& s) {
+// @tparam kDirect     the leaf's vertices lie as registers need them.
+template <bool kProjected, bool kDirect>
+HWY_NOINLINE std::uint32_t set_up(const BvhLeaf& leaf, int first, const Tile& tile, LeafScratch& s) {
     const int count = leaf.vertex_count;
     VI index[3];
     Corner p[3];
+    const auto corner_of = [&](const float* table, int k) {
+        if constexpr (kDirect)
+            return hn::Load(f, table + k * BvhLeaf::kMaxDirect + first);
+        else
+            return lookup(table, index[k], count);
+    };
     for (int k = 0; k < 3; ++k) {
-        const hn::Rebind<std::uint8_t, I> bytes;
-        index[k] = hn::PromoteTo(si, hn::LoadU(bytes, leaf.corner[k] + first));
-        p[k].x = lookup(s.x, index[k], count);
-        p[k].y = lookup(s.y, index[k], count);
-        p[k].iw = lookup(s.iw, index[k], count);
+        if constexpr (!kDirect) {
+            const hn::Rebind<std::uint8_t, I> bytes;
+            index[k] = hn::PromoteTo(si, hn::LoadU(bytes, leaf.corner[k] + first));
+        }
+        p[k].x = corner_of(s.x, k);
+        p[k].y = corner_of(s.y, k);
+        p[k].iw = corner_of(s.iw, k);
     }
     const MF valid = hn::RebindMask(f, hn::Lt(hn::Iota(si, first), hn::Set(si, leaf.triangle_count)));
 
@@ -363,9 +372,9 @@ HWY_INLINE std::uint32_t set_up(const BvhLeaf& leaf, int first, const Tile& tile
         MF any_front = hn::MaskFromVec(hn::Zero(f));
         low = hn::Set(f, kNearestInverse);
         for (int k = 0; k < 3; ++k) {
-            p[k].hx = lookup(s.hx, index[k], count);
-            p[k].hy = lookup(s.hy, index[k], count);
-            p[k].hw = lookup(s.hw, index[k], count);
+            p[k].hx = corner_of(s.hx, k);
+            p[k].hy = corner_of(s.hy, k);
+            p[k].hw = corner_of(s.hw, k);
             p[k].front = hn::Gt(p[k].hw, hn::Set(f, kMinW));
             p[k].usable = hn::And(p[k].front, hn::And(hn::Le(hn::Abs(p[k].x), limit), hn::Le(hn::Abs(p[k].y), limit)));
             all_usable = hn::And(all_usable, p[k].usable);
@@ -557,8 +566,13 @@ HWY_NOINLINE void draw_leaf(const scene::StaticScene& scene, const BvhLeaf& leaf
     LeafScratch s;
     const bool projected = transform_vertices(leaf, xyw, s);
     std::uint32_t bits = 0;
-    for (int first = 0; first < leaf.triangle_count; first += kLanes)
-        bits |= projected ? set_up<true>(leaf, first, tile, s) : set_up<false>(leaf, first, tile, s);
+    // Registers wider than a direct block would need it twice over: they look up.
+    const bool direct = kLanes <= BvhLeaf::kMaxDirect && leaf.triangle_count <= BvhLeaf::kMaxDirect;
+    for (int first = 0; first < leaf.triangle_count; first += kLanes) {
+        bits |= projected
+                    ? (direct ? set_up<true, true>(leaf, first, tile, s) : set_up<true, false>(leaf, first, tile, s))
+                    : (direct ? set_up<false, true>(leaf, first, tile, s) : set_up<false, false>(leaf, first, tile, s));
+    }
     for (; bits != 0; bits &= bits - 1) {
         const int i = std::countr_zero(bits);
         const std::uint32_t triangle = leaf.first_triangle + std::uint32_t(i);

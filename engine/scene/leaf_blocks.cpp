@@ -73,24 +73,40 @@ bool fill_leaf(const StaticScene& scene, const Mesh& mesh, std::uint32_t first_t
     leaf.triangle_count = std::uint16_t(count);
     std::memset(leaf.reserved, 0, sizeof leaf.reserved);
     unsigned alpha = 0;
-    CornerNumbers corners(leaf);
     for (std::uint32_t i = 0; i < count; ++i) {
-        const std::size_t triangle = first + i;
-        for (std::size_t corner = 0; corner < 3; ++corner) {
-            const std::uint32_t vertex = scene.indices[3 * triangle + corner];
-            const int slot = corners.slot_of(vertex, scene.positions[mesh.first_vertex + std::size_t(vertex)]);
-            if (slot < 0) return false;
-            leaf.corner[corner][i] = std::uint8_t(slot);
-        }
-        const std::uint32_t flags = scene.materials[scene.triangle_materials[triangle]].flags;
+        const std::uint32_t flags = scene.materials[scene.triangle_materials[first + i]].flags;
         if (flags & (kMaterialAlphaMask | kMaterialBlend)) alpha |= 1u << i;
     }
     leaf.alpha_triangles = std::uint16_t(alpha);
-    leaf.vertex_count = std::uint16_t(corners.count());
-    for (int i = corners.count(); i < BvhLeaf::kMaxVertices; ++i) {
-        leaf.x[i] = leaf.x[corners.count() - 1];
-        leaf.y[i] = leaf.y[corners.count() - 1];
-        leaf.z[i] = leaf.z[corners.count() - 1];
+    int vertices = 0;
+    if (count <= BvhLeaf::kMaxDirect) {
+        for (std::size_t corner = 0; corner < 3; ++corner) {
+            for (std::uint32_t i = 0; i < BvhLeaf::kMaxDirect; ++i, ++vertices) {
+                const std::size_t triangle = first + std::min(i, count - 1);
+                const Vec3& p = scene.positions[mesh.first_vertex + std::size_t(scene.indices[3 * triangle + corner])];
+                leaf.x[vertices] = p.x;
+                leaf.y[vertices] = p.y;
+                leaf.z[vertices] = p.z;
+                if (i < count) leaf.corner[corner][i] = std::uint8_t(vertices);
+            }
+        }
+    } else {
+        CornerNumbers corners(leaf);
+        for (std::uint32_t i = 0; i < count; ++i) {
+            for (std::size_t corner = 0; corner < 3; ++corner) {
+                const std::uint32_t vertex = scene.indices[3 * (first + i) + corner];
+                const int slot = corners.slot_of(vertex, scene.positions[mesh.first_vertex + std::size_t(vertex)]);
+                if (slot < 0) return false;
+                leaf.corner[corner][i] = std::uint8_t(slot);
+            }
+        }
+        vertices = corners.count();
+    }
+    leaf.vertex_count = std::uint16_t(vertices);
+    for (int i = vertices; i < BvhLeaf::kMaxVertices; ++i) {
+        leaf.x[i] = leaf.x[vertices - 1];
+        leaf.y[i] = leaf.y[vertices - 1];
+        leaf.z[i] = leaf.z[vertices - 1];
     }
     return true;
 }

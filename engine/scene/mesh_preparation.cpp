@@ -37,22 +37,23 @@ Vec3 corner_position(const MeshSource& mesh, std::size_t triangle, int corner) {
     return mesh.positions[mesh.indices[3 * triangle + std::size_t(corner)]];
 }
 
+// Beyond BvhLeaf::kMaxDirect triangles they have to share vertices well enough: else two leaves serve better than one.
 bool vertices_fit(const MeshSource& mesh, std::span<const BuildPrimitive> triangles) {
-    if (3 * triangles.size() <= BvhLeaf::kMaxVertices) return true;
+    if (triangles.size() <= BvhLeaf::kMaxDirect) return true;
     LeafVertices vertices;
     for (const BuildPrimitive& triangle : triangles) {
         for (int corner = 0; corner < 3; ++corner) {
             if (vertices.slot_of(corner_position(mesh, triangle.id, corner)) < 0) return false;
         }
     }
-    return true;
+    return std::size_t(vertices.count()) <= 2 * triangles.size();
 }
 
 // How many triangles of this mesh a leaf's vertices let in: all where triangles share them, few where each has its own.
 std::uint32_t usual_leaf_triangles(const MeshSource& mesh) {
     if (mesh.positions.empty()) return BvhLeaf::kMaxTriangles;
     const std::size_t usual = BvhLeaf::kMaxVertices * (mesh.indices.size() / 3) / mesh.positions.size();
-    return std::uint32_t(std::clamp<std::size_t>(usual, BvhLeaf::kMaxVertices / 3, BvhLeaf::kMaxTriangles));
+    return std::uint32_t(usual < BvhLeaf::kMaxTriangles ? BvhLeaf::kMaxDirect : BvhLeaf::kMaxTriangles);
 }
 
 // Numbers equal vertices alike, in the order of their first use by `triangles`, and rewrites the mesh so.
@@ -111,26 +112,53 @@ class VertexReorder {
     std::vector<std::uint32_t> table_;
 };
 
+void fill_direct(const MeshSource& mesh, BvhLeaf& leaf) {
+    leaf.vertex_count = 3 * BvhLeaf::kMaxDirect;
+    for (int corner = 0; corner < 3; ++corner) {
+        for (int i = 0; i < BvhLeaf::kMaxDirect; ++i) {
+            const int slot = corner * BvhLeaf::kMaxDirect + i, triangle = std::min(i, leaf.triangle_count - 1);
+            const Vec3 p = corner_position(mesh, leaf.first_triangle + std::size_t(triangle), corner);
+            leaf.x[slot] = p.x;
+            leaf.y[slot] = p.y;
+            leaf.z[slot] = p.z;
+            if (i < leaf.triangle_count) leaf.corner[corner][i] = std::uint8_t(slot);
+        }
+    }
+}
+
+void fill_shared(const MeshSource& mesh, BvhLeaf& leaf) {
+    LeafVertices vertices;
+    for (int i = 0; i < leaf.triangle_count; ++i) {
+        for (int corner = 0; corner < 3; ++corner) {
+            const Vec3 p = corner_position(mesh, leaf.first_triangle + std::size_t(i), corner);
+            leaf.corner[corner][i] = std::uint8_t(vertices.slot_of(p));
+        }
+    }
+    leaf.vertex_count = std::uint16_t(vertices.count());
+    for (int i = 0; i < vertices.count(); ++i) {
+        leaf.x[i] = vertices[i].x;
+        leaf.y[i] = vertices[i].y;
+        leaf.z[i] = vertices[i].z;
+    }
+}
+
 BvhLeaf make_leaf(const MeshSource& mesh, const LeafRange& range, std::span<const Material> materials) {
     BvhLeaf leaf{};
     leaf.first_triangle = range.first;
     leaf.triangle_count = std::uint16_t(range.count);
-    LeafVertices vertices;
-    for (std::uint32_t i = 0; i < range.count; ++i) {
-        const std::size_t triangle = range.first + i;
-        for (int corner = 0; corner < 3; ++corner) {
-            leaf.corner[corner][i] = std::uint8_t(vertices.slot_of(corner_position(mesh, triangle, corner)));
-        }
-        if (materials[mesh.triangle_materials[triangle]].flags & (kMaterialAlphaMask | kMaterialBlend)) {
-            leaf.alpha_triangles = std::uint16_t(leaf.alpha_triangles | (1u << i));
-        }
+    if (range.count <= BvhLeaf::kMaxDirect)
+        fill_direct(mesh, leaf);
+    else
+        fill_shared(mesh, leaf);
+    for (int i = leaf.vertex_count; i < BvhLeaf::kMaxVertices; ++i) {
+        leaf.x[i] = leaf.x[leaf.vertex_count - 1];
+        leaf.y[i] = leaf.y[leaf.vertex_count - 1];
+        leaf.z[i] = leaf.z[leaf.vertex_count - 1];
     }
-    leaf.vertex_count = std::uint16_t(vertices.count());
-    for (int i = 0; i < BvhLeaf::kMaxVertices; ++i) {
-        const Vec3& p = vertices[std::min(i, vertices.count() - 1)];
-        leaf.x[i] = p.x;
-        leaf.y[i] = p.y;
-        leaf.z[i] = p.z;
+    for (std::uint32_t i = 0; i < range.count; ++i) {
+        const Material& material = materials[mesh.triangle_materials[range.first + i]];
+        if (material.flags & (kMaterialAlphaMask | kMaterialBlend))
+            leaf.alpha_triangles = std::uint16_t(leaf.alpha_triangles | (1u << i));
     }
     return leaf;
 }
