@@ -107,6 +107,18 @@ void resize(SourceTexture& texture, std::uint32_t width, std::uint32_t height) {
     }
 }
 
+// Whether a PNG's chunks follow each other up to IEND inside the file. OpenImageIO's reader leaks where libpng runs out
+// of bytes: it jumps over the reader's own strings.
+bool png_is_whole(std::span<const std::byte> bytes) {
+    for (std::size_t at = 8; bytes.size() >= at + 12;) {
+        std::uint32_t length = 0;
+        for (std::size_t i = 0; i < 4; ++i) length = length << 8 | std::to_integer<std::uint32_t>(bytes[at + i]);
+        if (std::memcmp(bytes.data() + at + 4, "IEND", 4) == 0) return true;
+        at += std::size_t{12} + length;
+    }
+    return false;
+}
+
 Result<SourceTexture> decode(std::span<const std::byte> bytes, const std::string& name) {
     const char* file_name = format_name(bytes);
     if (file_name == nullptr)
@@ -114,6 +126,8 @@ Result<SourceTexture> decode(std::span<const std::byte> bytes, const std::string
             fmt::format("{}: {} bytes that are no image; expected PNG, JPEG, WebP, TIFF, EXR, HDR, BMP, "
                         "DDS or GIF",
                         name, bytes.size()));
+    if (std::string_view(file_name) == "image.png" && !png_is_whole(bytes))
+        return bad_input(fmt::format("{}: a PNG without its end; expected a whole image", name));
     OIIO::Filesystem::IOMemReader memory(const_cast<std::byte*>(bytes.data()), bytes.size());
     OIIO::ImageSpec config;
     config.attribute("oiio:UnassociatedAlpha", 1);  // as glTF and our textures have it
