@@ -479,29 +479,98 @@ HWY_NOINLINE std::uint32_t set_up(const BvhLeaf& leaf, int first, const Tile& ti
 
 // ---- Rows
 
-// Switches off the lanes of `win` whose point is see-through. e: edge functions of the lanes.
-HWY_NOINLINE MF opaque_lanes(MF win, const AlphaSurface& surface, const LeafScratch& s, int i, const VF (&e)[3],
-                             VF inverse_depth, float pixel_angle) {
-    alignas(64) float b1[16], b2[16], footprint[16];
+// A see-through triangle, looked up once one of its pixels may win.
+struct AlphaDraw {
+    const scene::StaticScene& scene;
+    std::uint32_t instance, triangle;
+    float pixel_angle;
+    bool is_known = false;
+    AlphaSurface surface;
+};
+
+HWY_INLINE VI texel_of(VF coordinate, std::uint32_t size, scene::Wrap wrap) {
+    VF c = coordinate;
+    if (wrap == scene::Wrap::repeat) {
+        c = hn::Sub(c, hn::Floor(c));
+    } else if (wrap == scene::Wrap::mirror) {
+        c = hn::Sub(c, hn::Mul(hn::Set(f, 2.0f), hn::Floor(hn::Mul(hn::Set(f, 0.5f), c))));
+        c = hn::IfThenElse(hn::Gt(c, hn::Set(f, 1.0f)), hn::Sub(hn::Set(f, 2.0f), c), c);
+    }
+    const VF texel = hn::Max(hn::Mul(c, hn::Set(f, float(size))), hn::Zero(f));  // not-a-number becomes 0
+    return hn::ConvertTo(si, hn::Min(texel, hn::Set(f, float(size - 1))));
+}
+
+HWY_INLINE VF threshold_of(std::uint32_t seed, VI x, VI y) {
+    auto h = hn::Xor(hn::Set(ui, seed), hn::Xor(hn::Mul(hn::BitCast(ui, x), hn::Set(ui, 0x9E3779B1u)),
+                                                hn::Mul(hn::BitCast(ui, y), hn::Set(ui, 0x85EBCA77u))));
+    h = hn::Mul(hn::Xor(h, hn::ShiftRight<15>(h)), hn::Set(ui, 0x2C1B3C6Du));
+    h = hn::Mul(hn::Xor(h, hn::ShiftRight<12>(h)), hn::Set(ui, 0x297A2D39u));
+    h = hn::Xor(h, hn::ShiftRight<15>(h));
+    const VI k = hn::Add(hn::BitCast(si, hn::ShiftRight<8>(h)), hn::Set(si, 1));
+    return hn::Mul(hn::ConvertTo(f, k), hn::Set(f, 1.0f / 16777216.0f));
+}
+
+// Switches off the lanes of `win` whose point is see-through: is_opaque_at() of alpha_test.h, operation by operation,
+// for a register of pixels. e: their edge functions.
+HWY_NOINLINE MF opaque_lanes(MF win, AlphaDraw& draw, const LeafScratch& s, int i, const VF (&e)[3], VF inverse_depth) {
+    if (!draw.is_known) {
+        const scene::Instance& instance = draw.scene.instances[draw.instance];
+        draw.surface = make_alpha_surface(draw.scene, instance, draw.instance, draw.triangle);
+        draw.is_known = true;
+    }
+    const AlphaSurface& surface = draw.surface;
+    if (!surface.is_see_through) return win;
     const VF w0 = hn::Mul(e[0], hn::Set(f, s.weight[0][i])), w1 = hn::Mul(e[1], hn::Set(f, s.weight[1][i]));
     const VF w2 = hn::Mul(e[2], hn::Set(f, s.weight[2][i]));
     const VF inverse_sum = hn::Div(hn::Set(f, 1.0f), hn::Add(w0, hn::Add(w1, w2)));
-    hn::Store(hn::Mul(w1, inverse_sum), f, b1);
-    hn::Store(hn::Mul(w2, inverse_sum), f, b2);
-    hn::Store(hn::Div(hn::Set(f, pixel_angle), inverse_depth), f, footprint);
-    std::uint32_t bits = 0;
-    for (std::uint32_t left = bits_of(win); left != 0; left &= left - 1) {
-        const int lane = std::countr_zero(left);
-        if (is_opaque_at(surface, b1[lane], b2[lane], footprint[lane])) bits |= 1u << lane;
+    const VF b1 = hn::Mul(w1, inverse_sum), b2 = hn::Mul(w2, inverse_sum);
+    const VF b0 = hn::Sub(hn::Sub(hn::Set(f, 1.0f), b1), b2);
+    const VF footprint = hn::Div(hn::Set(f, draw.pixel_angle), inverse_depth);
+    const auto mix = [&](float v0, float v1, float v2) {
+        return hn::Add(hn::Add(hn::Mul(hn::Set(f, v0), b0), hn::Mul(hn::Set(f, v1), b1)), hn::Mul(hn::Set(f, v2), b2));
+    };
+    VF alpha = mix(surface.alpha[0], surface.alpha[1], surface.alpha[2]);
+    VI x, y;
+    if (surface.texture != nullptr) {
+        const scene::Texture& texture = *surface.texture;
+        const VF texels = hn::Max(hn::Mul(footprint, hn::Set(f, surface.texels_per_m)), hn::Set(f, 1.0f));
+        const VI octave = hn::Sub(hn::ShiftRight<23>(hn::BitCast(si, texels)), hn::Set(si, 127));
+        const VI levels = hn::Min(octave, hn::Set(si, std::int32_t(texture.level_count - 1)));
+        const VF u = mix(surface.uv[0].x, surface.uv[1].x, surface.uv[2].x);
+        const VF v = mix(surface.uv[0].y, surface.uv[1].y, surface.uv[2].y);
+        // Mostly all pixels are on one level; a register is done level by level.
+        alignas(64) std::int32_t level_of[16];
+        hn::Store(levels, si, level_of);
+        VF texture_alpha = hn::Zero(f);
+        x = y = hn::Zero(si);
+        for (std::uint32_t left = bits_of(win); left != 0;) {
+            const std::int32_t level = level_of[std::countr_zero(left)];
+            const MF here = hn::RebindMask(f, hn::Eq(levels, hn::Set(si, level)));
+            left &= ~bits_of(here);
+            const std::uint32_t width = std::max(1u, texture.width >> level);
+            const VI level_x = texel_of(u, width, texture.wrap_u);
+            const VI level_y = texel_of(v, std::max(1u, texture.height >> level), texture.wrap_v);
+            const VI index = hn::Add(hn::Mul(level_y, hn::Set(si, std::int32_t(width))), level_x);
+            const auto* first = surface.texels + scene::level_offset(texture, std::uint32_t(level));
+            const VI texel = hn::GatherIndex(si, reinterpret_cast<const std::int32_t*>(first), index);
+            const VF level_alpha = hn::ConvertTo(f, hn::BitCast(si, hn::ShiftRight<24>(hn::BitCast(ui, texel))));
+            texture_alpha = hn::IfThenElse(here, level_alpha, texture_alpha);
+            x = hn::IfThenElse(hn::RebindMask(si, here), level_x, x);
+            y = hn::IfThenElse(hn::RebindMask(si, here), level_y, y);
+        }
+        alpha = hn::Mul(alpha, hn::Mul(texture_alpha, hn::Set(f, 1.0f / 255.0f)));
+    } else {
+        x = texel_of(b1, 64, scene::Wrap::clamp);
+        y = texel_of(b2, 64, scene::Wrap::clamp);
     }
-    const std::uint8_t bytes[8] = {std::uint8_t(bits), std::uint8_t(bits >> 8)};
-    return hn::LoadMaskBits(f, bytes);
+    const VF threshold = surface.is_blended ? threshold_of(surface.seed, x, y) : hn::Set(f, surface.cutoff);
+    return hn::And(win, hn::Ge(alpha, threshold));
 }
 
 // Draws triangle i of the leaf into the pixels that it wins.
 template <bool kAlpha>
 HWY_INLINE void draw(const LeafScratch& s, int i, std::uint32_t instance, std::uint32_t triangle, Tile& tile,
-                     const AlphaSurface* surface, float pixel_angle) {
+                     AlphaDraw* alpha) {
     const VF a0 = hn::Set(f, s.a[0][i]), a1 = hn::Set(f, s.a[1][i]), a2 = hn::Set(f, s.a[2][i]);
     const VF b0 = hn::Set(f, s.b[0][i]), b1 = hn::Set(f, s.b[1][i]), b2 = hn::Set(f, s.b[2][i]);
     const VF c0 = hn::Set(f, s.c[0][i]), c1 = hn::Set(f, s.c[1][i]), c2 = hn::Set(f, s.c[2][i]);
@@ -533,7 +602,10 @@ HWY_INLINE void draw(const LeafScratch& s, int i, std::uint32_t instance, std::u
                            hn::And(hn::Eq(own_instance, old_instance), hn::Lt(own_triangle, old_triangle)));
                 win = hn::AndNot(hn::AndNot(hn::RebindMask(f, smaller), tie), win);
             }
-            if constexpr (kAlpha) win = opaque_lanes(win, *surface, s, i, e, inverse_depth, pixel_angle);
+            if constexpr (kAlpha) {
+                win = opaque_lanes(win, *alpha, s, i, e, inverse_depth);
+                if (hn::AllFalse(f, win)) continue;
+            }
             hn::Store(hn::IfThenElse(win, inverse_depth, best), f, best_at);
             const auto win_u = hn::RebindMask(ui, win);
             hn::Store(hn::IfThenElse(win_u, own_instance, old_instance), ui, instance_at);
@@ -577,10 +649,10 @@ HWY_NOINLINE void draw_leaf(const scene::StaticScene& scene, const BvhLeaf& leaf
         const int i = std::countr_zero(bits);
         const std::uint32_t triangle = leaf.first_triangle + std::uint32_t(i);
         if (HWY_UNLIKELY((leaf.alpha_triangles >> i) & 1)) {
-            const AlphaSurface surface = make_alpha_surface(scene, scene.instances[instance], instance, triangle);
-            draw<true>(s, i, instance, triangle, tile, &surface, pixel_angle);
+            AlphaDraw alpha{scene, instance, triangle, pixel_angle, false, {}};
+            draw<true>(s, i, instance, triangle, tile, &alpha);
         } else {
-            draw<false>(s, i, instance, triangle, tile, nullptr, pixel_angle);
+            draw<false>(s, i, instance, triangle, tile, nullptr);
         }
     }
     if (tile.changed) find_farthest(tile);
