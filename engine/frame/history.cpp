@@ -7,7 +7,8 @@ void FrameHistory::reset(int width, int height) {
     outlook = {};
     horizon.invalidate();
     visibility.resize(width, height);
-    for (farfield::PixelMask* mask : {&sources.near_field, &sources.sky, &sources.panorama, &sources.cast})
+    for (farfield::PixelMask* mask :
+         {&sources.near_field, &sources.sky, &sources.panorama, &sources.cast, &sources.dynamic})
         mask->reset(width, height);
     all_tiles.clear();
     for (int y = 0; y < height; y += farfield::kTileSize) {
@@ -21,7 +22,7 @@ void FrameHistory::reset(int width, int height) {
             all_tiles.push_back(tile);
         }
     }
-    for (auto* scratch : {&wanted, &requests, &to_shade}) {
+    for (auto* scratch : {&wanted, &requests, &to_shade, &to_store}) {
         scratch->clear();
         scratch->reserve(all_tiles.size());
     }

@@ -23,7 +23,7 @@ namespace ff::frame {
 
 /// Pixels of the last frame by how they came to be, for counts and debug views.
 struct SourceMasks {
-    farfield::PixelMask near_field, sky, panorama, cast;
+    farfield::PixelMask near_field, sky, panorama, cast, dynamic;
 };
 
 struct FrameHistory {
@@ -40,6 +40,7 @@ struct FrameHistory {
     std::vector<farfield::TileRequest> wanted;    ///< scratch: what neither near field nor horizon answers
     std::vector<farfield::TileRequest> requests;  ///< scratch: what is to be cast
     std::vector<farfield::TileRequest> to_shade;  ///< scratch: what no cached colour answers
+    std::vector<farfield::TileRequest> to_store;  ///< scratch: what the panorama may remember
     std::vector<farfield::TileRequest> all_tiles;
     bool can_rasterise = false;  ///< there is OpenGL to draw a near field with
     bool has_frame = false;

@@ -40,7 +40,11 @@ double measure_near_fixed_ms(nearfield::NearRenderer& near_renderer, int width, 
 
 Renderer::Renderer(const scene::StaticScene& scene, Casters& casters, nearfield::NearRenderer* near_renderer, int width,
                    int height)
-    : culler_(scene), tools_{scene, casters, culler_, near_renderer}, width_(width), height_(height) {
+    : culler_(scene),
+      dynamic_overlay_(scene),
+      tools_{scene, casters, culler_, dynamic_overlay_, near_renderer},
+      width_(width),
+      height_(height) {
     FF_CHECK(width > 0 && height > 0 && width <= 16384 && height <= 16384, "image of {} x {}", width, height);
     if (near_renderer != nullptr) {
         history_.can_rasterise = true;

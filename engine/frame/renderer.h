@@ -26,6 +26,7 @@ class Renderer {
 
   private:
     visibility::Culler culler_;
+    DynamicOverlay dynamic_overlay_;
     Tools tools_;
     int width_, height_;
     FrameHistory history_;

@@ -104,9 +104,11 @@ void report(const Status& status) {
     if (!status) log_warning("near field: {}", status.error().message);
 }
 
-nearfield::DrawSet cull(const FramePlan& plan, const Tools& tools, FrameHistory& history) {
-    tools.culler.cull(plan.view, plan.dynamic, history.visible, plan.near_m);
-    return {.instances = history.visible.instances, .dynamic = plan.dynamic};
+/// @param dynamic  what is drawn beside the static cells
+nearfield::DrawSet cull(const FramePlan& plan, std::span<const scene::Instance> dynamic, const Tools& tools,
+                        FrameHistory& history) {
+    tools.culler.cull(plan.view, dynamic, history.visible, plan.near_m);
+    return {.instances = history.visible.instances, .dynamic = dynamic};
 }
 
 /// Modes raster and near: the whole picture by OpenGL.
@@ -114,7 +116,7 @@ void draw_by_rasteriser(const FramePlan& plan, const Tools& tools, FrameHistory&
                         FrameStats& stats) {
     const TimedPass timed(stats, Pass::near_field);
     nearfield::NearStats near_stats;
-    report(tools.near_renderer->render_shaded(plan.view, cull(plan, tools, history), image, near_stats));
+    report(tools.near_renderer->render_shaded(plan.view, cull(plan, plan.dynamic, tools, history), image, near_stats));
     stats.near_triangles = near_stats.triangles;
     stats.near_draws = near_stats.draws;
     stats.pixels.near_field = std::uint64_t(plan.view.width) * std::uint64_t(plan.view.height);
@@ -126,7 +128,8 @@ void draw_near_field(const FramePlan& plan, const Tools& tools, FrameHistory& hi
     {
         const TimedPass timed(stats, Pass::near_field);
         nearfield::NearStats near_stats;
-        report(tools.near_renderer->render_ids(plan.view, cull(plan, tools, history), history.visibility, near_stats));
+        report(
+            tools.near_renderer->render_ids(plan.view, cull(plan, {}, tools, history), history.visibility, near_stats));
         stats.near_triangles = near_stats.triangles;
         stats.near_draws = near_stats.draws;
     }
@@ -136,7 +139,7 @@ void draw_near_field(const FramePlan& plan, const Tools& tools, FrameHistory& hi
                                  farfield::EmptyDepth::infinite, covered);
     stats.pixels.near_field = covered.count();
     if (plan.software_opacity) {
-        history.opacity.draw(tools.scene, plan.dynamic, history.visible.instances, plan.view, covered);
+        history.opacity.draw(tools.scene, {}, history.visible.instances, plan.view, covered);
         const std::uint64_t known = covered.count();
         stats.opacity_missed = stats.pixels.near_field - std::min(known, stats.pixels.near_field);
         stats.pixels.near_field = known;
@@ -186,7 +189,11 @@ void look_up_panorama(const FramePlan& plan, const Tools& tools, FrameHistory& h
         }
     }
     const TimedPass timed(stats, Pass::panorama);
-    const farfield::PanoramaTarget target{.colors = image.pixels.data(), .color_stride = image.stride};
+    // Depths are fetched only where something may stand before the texels.
+    const farfield::PanoramaTarget target{.visibility = plan.dynamic.empty() ? nullptr : &history.visibility,
+                                          .colors = image.pixels.data(),
+                                          .color_stride = image.stride,
+                                          .depth_only = true};
     const farfield::PanoramaStats found = panorama.lookup(plan.view, history.wanted, limits, target, history.requests);
     stats.pixels.panorama = found.reused + found.stale + found.unanswered;
     stats.pixels.stale = found.stale + found.unanswered;
@@ -218,7 +225,7 @@ FrameStats run_passes(const FramePlan& plan, const Tools& tools, FrameHistory& h
     FrameStats stats;
     farfield::VisibilityBuffer& visibility = history.visibility;
     SourceMasks& sources = history.sources;
-    for (PixelMask* mask : {&sources.near_field, &sources.sky, &sources.panorama, &sources.cast})
+    for (PixelMask* mask : {&sources.near_field, &sources.sky, &sources.panorama, &sources.cast, &sources.dynamic})
         mask->reset(plan.view.width, plan.view.height);
 
     if (plan.mode == Mode::raster || plan.mode == Mode::near) {
@@ -276,6 +283,15 @@ FrameStats run_passes(const FramePlan& plan, const Tools& tools, FrameHistory& h
         stats.pixels.cast_hit = pixels - stats.pixels.cast_miss;
     }
 
+    // What moves: over all that stands still, wherever it is nearer.
+    if (!plan.dynamic.empty()) {
+        const TimedPass timed(stats, Pass::cast);
+        tools.dynamic_overlay.draw(plan.view, plan.dynamic, history.all_tiles, visibility, sources.dynamic);
+        stats.pixels.dynamic = sources.dynamic.count();
+        for (PixelMask* mask : {&sources.near_field, &sources.sky, &sources.panorama, &sources.cast})
+            remove(sources.dynamic, *mask);
+    }
+
     // Shading: each pixel once, whoever found it.
     {
         const TimedPass timed(stats, Pass::shade);
@@ -286,7 +302,9 @@ FrameStats run_passes(const FramePlan& plan, const Tools& tools, FrameHistory& h
     }
     if (plan.store_panorama) {
         const TimedPass timed(stats, Pass::store);
-        history.panorama->store(plan.view, *casts, visibility, image.pixels, image.stride);
+        const PixelMask* const others[] = {&sources.near_field, &sources.sky, &sources.panorama, &sources.dynamic};
+        collect_requests(history.all_tiles, others, history.to_store);
+        history.panorama->store(plan.view, history.to_store, visibility, image.pixels, image.stride);
     }
 
     stats.near_m = plan.near_m;

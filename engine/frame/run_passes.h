@@ -1,5 +1,6 @@
 #pragma once
 
+#include "engine/frame/dynamic_overlay.h"
 #include "engine/frame/history.h"
 #include "engine/frame/plan.h"
 #include "engine/frame/stats.h"
@@ -28,6 +29,7 @@ struct Tools {
     const scene::StaticScene& scene;
     Casters& casters;
     const visibility::Culler& culler;
+    DynamicOverlay& dynamic_overlay;
     nearfield::NearRenderer* near_renderer = nullptr;
 };
 

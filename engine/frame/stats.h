@@ -20,6 +20,7 @@ struct PixelCounts {
     std::uint64_t panorama = 0;    ///< a still-good texel of the panoramic cache
     std::uint64_t cast_hit = 0;    ///< a ray, or a beam's pixel, that met something
     std::uint64_t cast_miss = 0;   ///< one that did not
+    std::uint64_t dynamic = 0;     ///< of all: a moving instance stands before it
     std::uint64_t stale = 0;       ///< of `panorama`: worse than wanted, kept because the ray budget was spent
 };
 

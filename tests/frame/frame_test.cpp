@@ -90,6 +90,26 @@ TEST_F(FrameTest, deterministic_frames_are_the_same_for_one_and_two_workers) {
     EXPECT_EQ(images[0], images[1]);
 }
 
+TEST_F(FrameTest, a_moving_instance_shows_before_what_is_farther_and_hides_behind_what_is_nearer) {
+    scene::SceneData street = test::make_single_triangle({-2, 0, 0}, {2, 0, 0}, {0, 4, 0});  // 4 m wide, at z = 0
+    const scene::StaticScene still = street.view();
+    Casters own_casters(still);
+    Renderer renderer(still, own_casters, nullptr, kWidth, kHeight);
+    shading::Image image;
+    const auto shown_at = [&](double z, int frames_at_rest) {
+        scene::Instance moving = still.instances[0];
+        moving.position.z = z;
+        std::uint64_t shown = 0;
+        for (int f = 0; f <= frames_at_rest; ++f)
+            shown = renderer.draw({.position = {0, 1.7, 10}}, std::span(&moving, 1), {}, image).pixels.dynamic;
+        return shown;
+    };
+    for (const int frames_at_rest : {0, 6}) {  // cast, and from the panorama
+        EXPECT_GT(shown_at(5.0, frames_at_rest), 500u) << "before the triangle";
+        EXPECT_EQ(shown_at(-0.5, frames_at_rest), 0u) << "behind the triangle, smaller by perspective";
+    }
+}
+
 TEST_F(FrameTest, no_budget_however_small_leaves_a_pixel_without_colour) {
     Renderer renderer(scene, casters, nullptr, kWidth, kHeight);
     shading::Image image;

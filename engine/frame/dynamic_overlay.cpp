@@ -1,0 +1,33 @@
+#include "engine/frame/dynamic_overlay.h"
+
+#include "engine/scene/scene_data.h"
+
+namespace ff::frame {
+
+farfield::CastCost DynamicOverlay::draw(const PinholeView& view, std::span<const scene::Instance> dynamic,
+                                        std::span<const farfield::TileRequest> tiles,
+                                        farfield::VisibilityBuffer& visibility, farfield::PixelMask& covered) {
+    if (dynamic.empty()) return {};
+    if (visibility_.width != visibility.width || visibility_.height != visibility.height)
+        visibility_.resize(visibility.width, visibility.height);
+    scene_.instances = dynamic;
+    scene::build_instance_bvh(dynamic, scene_.origin, nodes_);
+    scene_.instance_nodes = nodes_;
+    const farfield::CastCost cost = farfield::make_beam_caster(scene_)->cast_tiles(view, tiles, visibility_);
+
+    for (const farfield::TileRequest& tile : tiles)
+        for (int row = 0; row < farfield::kTileSize; ++row) {
+            const std::size_t first = visibility.index(tile.x, tile.y + row);
+            for (unsigned i = 0; i < unsigned(farfield::kTileSize); ++i) {
+                if (((tile.rows[row] >> i) & 1u) == 0) continue;
+                if (!(visibility_.depth[first + i] < visibility.depth[first + i])) continue;
+                visibility.depth[first + i] = visibility_.depth[first + i];
+                visibility.instance[first + i] = first_id_ + visibility_.instance[first + i];
+                visibility.triangle[first + i] = visibility_.triangle[first + i];
+                covered.set(tile.x + int(i), tile.y + row);
+            }
+        }
+    return cost;
+}
+
+}  // namespace ff::frame

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "engine/farfield/pixel_mask.h"
+#include "engine/farfield/ray_caster.h"
+#include "engine/farfield/visibility_buffer.h"
+#include "engine/math/camera.h"
+#include "engine/scene/static_scene.h"
+
+namespace ff::frame {
+
+/// Instances that move, at any distance: cast by tile beams through a small tree of their own and depth-tested against
+/// what the static world shows, however that was found. So neither panorama nor horizon need know of them.
+class DynamicOverlay {
+  public:
+    explicit DynamicOverlay(const scene::StaticScene& scene)
+        : scene_(scene), first_id_(std::uint32_t(scene.instances.size())) {}
+
+    /// Puts the instances that are nearer than the depths in `visibility` there; ids from the scene's instance count
+    /// on.
+    /// @param tiles    all tiles of the view
+    /// @param covered  sized to the view; set where an instance now shows, else left
+    /// @return the work done
+    farfield::CastCost draw(const PinholeView& view, std::span<const scene::Instance> dynamic,
+                            std::span<const farfield::TileRequest> tiles, farfield::VisibilityBuffer& visibility,
+                            farfield::PixelMask& covered);
+
+  private:
+    scene::StaticScene scene_;  ///< the static arrays, with the moving instances in place of the others
+    std::uint32_t first_id_;
+    std::vector<scene::BvhNode> nodes_;
+    farfield::VisibilityBuffer visibility_;
+};
+
+}  // namespace ff::frame
