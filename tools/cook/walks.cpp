@@ -1,10 +1,105 @@
 #include "tools/cook/walks.h"
 
+#include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "engine/scene/walk.h"
+#include "tools/cook/walks_aerial.h"
+#include "tools/cook/walks_frames.h"
+#include "tools/cook/walks_route.h"
 
 namespace ff::cook {
+namespace {
+
+constexpr double kRate_hz = 30.0;
+constexpr int kStreetFrames = 400, kOrbitFrames = 120, kFlyoverFrames = 400, kTurnFrames = 180, kSprintFrames = 200;
+// A jog: 40 m in the 13 s of `street`, enough to see a corner and what lies behind it. A stroll would end before it.
+constexpr double kStreetSpeed_m_s = 3.0;
+constexpr double kSprintSpeed_m_s = 10.0;
+constexpr double kFlySpeed_m_s = 25.0;
+
+double way_m(int frames, double speed_m_s) {
+    return (frames - 1) * speed_m_s / kRate_hz;
+}
+
+bool has_walk(const WorldSource& world, const char* name) {
+    return std::any_of(world.walks.begin(), world.walks.end(), [&](const SourceWalk& w) { return w.name == name; });
+}
+
+void add_walk(WorldSource& world, const char* name, std::vector<WalkFrame> frames) {
+    if (has_walk(world, name)) return;
+    round_frames(frames);
+    world.walks.push_back({.name = name, .rate_hz = kRate_hz, .frames = std::move(frames)});
+}
+
+std::vector<WalkFrame> turn_on_the_spot(const DVec3& eye, double yaw_deg, double pitch_deg) {
+    std::vector<WalkFrame> frames(kTurnFrames);
+    for (std::size_t f = 0; f < frames.size(); ++f)
+        frames[f] = {.position = eye, .yaw_deg = yaw_deg + double(f) * 360.0 / kTurnFrames, .pitch_deg = pitch_deg};
+    return frames;
+}
+
+void add_walks_on_ground(WorldSource& world, const GroundMap& map, std::uint32_t node, const SceneCircle& circle) {
+    const WalkRoute route = plan_route(map, node);
+    const double start =
+        find_corner_start(route, way_m(kStreetFrames, kStreetSpeed_m_s), way_m(kSprintFrames, kSprintSpeed_m_s));
+    add_walk(world, "street", walk_along(route, start, kStreetSpeed_m_s, 3.0, kStreetFrames));
+    add_walk(world, "sprint", walk_along(route, start, kSprintSpeed_m_s, 6.0, kSprintFrames));
+    add_walk(world, "flyover", fly_over(map, node, world.spawn_yaw_deg, circle, kFlyoverFrames));
+}
+
+void add_walks_around_object(WorldSource& world, const ObjectView& view) {
+    add_walk(world, "street", walk_around(view, kStreetSpeed_m_s, 0.0, kStreetFrames));
+    add_walk(world, "sprint", walk_around(view, kSprintSpeed_m_s, 0.0, kSprintFrames));
+    const double rise = std::min(100.0, view.distance_m);
+    add_walk(world, "flyover", walk_around(view, kFlySpeed_m_s - 0.24 * rise, rise, kFlyoverFrames));
+}
+
+}  // namespace
+
+void choose_spawn(WorldSource& world) {
+    const StaticTriangles triangles(world);
+    if (triangles.bounds().is_empty()) return;
+    const DensityMap density = make_density_map(triangles);
+    const GroundMap map = make_ground_map(triangles, density, densest_place(density));
+    const std::uint32_t node = find_spawn_node(map, density);
+    if (node == GroundNode::kNone) {
+        // To the south of the object, looking at it.
+        const ObjectView view = object_view(triangles.bounds());
+        world.spawn_position = DVec3(view.center.x, view.eye_y - kEyeHeight_m, view.center.z + view.distance_m);
+        world.spawn_yaw_deg = 0.0;
+        return;
+    }
+    const PointXZ at = map.middle_of(map.nodes[node]);
+    world.spawn_position = DVec3(at.x, std::round((map.nodes[node].y + map.base_y) * 1e6) / 1e6, at.z);
+    world.spawn_yaw_deg = free_ways(map, node).longest_deg;
+}
+
+void make_standard_walks(WorldSource& world) {
+    constexpr const char* kNames[] = {"street", "orbit", "flyover", "turn", "sprint"};
+    if (std::all_of(std::begin(kNames), std::end(kNames), [&](const char* name) { return has_walk(world, name); }))
+        return;
+    const StaticTriangles triangles(world);
+    const PointXZ spawn{world.spawn_position.x, world.spawn_position.z};
+    const DensityMap density = make_density_map(triangles, spawn);
+    const GroundMap map = make_ground_map(triangles, density, spawn);
+    std::uint32_t node = find_node_near(map, world.spawn_position);
+    if (node == GroundNode::kNone) node = find_spawn_node(map, density);
+    const SceneCircle circle = scene_circle(triangles, density, world.spawn_position.y);
+    const DVec3 eye = world.spawn_position + DVec3(0.0, kEyeHeight_m, 0.0);
+    double pitch_deg = 0.0;
+    if (node != GroundNode::kNone) {
+        add_walks_on_ground(world, map, node, circle);
+    } else {
+        const ObjectView view = object_view(triangles.bounds());
+        add_walks_around_object(world, view);
+        const DVec3 d = view.center - eye;
+        pitch_deg = std::clamp(degrees_of(std::atan2(d.y, std::hypot(d.x, d.z))), -60.0, 0.0);
+    }
+    add_walk(world, "orbit", orbit(circle, density, kOrbitFrames));
+    add_walk(world, "turn", turn_on_the_spot(eye, world.spawn_yaw_deg, pitch_deg));
+}
 
 Result<SourceWalk> read_walk_file(const std::filesystem::path& path, const std::string& name) {
     Result<scene::Walk> loaded = scene::load_walk(path);
