@@ -123,7 +123,7 @@ def birch():
 def spruce():
     """A branch from the upper edge's middle down to the lower edge, with twigs to both sides and needles on all."""
     card, rng = Cutout(256), random.Random(321)
-    palette = [(98, 118, 88), (86, 108, 82), (110, 126, 92), (118, 132, 96)]
+    palette = [(100, 116, 78), (88, 106, 72), (112, 124, 80), (120, 130, 84)]
 
     def needles(x0, y0, x1, y1, length, shade):
         heading = math.atan2(y1 - y0, x1 - x0)

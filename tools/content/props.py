@@ -108,7 +108,7 @@ def boulder():
         for i in face:
             if (i, axis) not in made:
                 p = shaped[i]
-                uv = (p[(axis + 1) % 3] / 2.0, -p[(axis + 2) % 3] / 2.0)
+                uv = (p[(axis + 1) % 3] / 1.4, -p[(axis + 2) % 3] / 1.4)
                 made[i, axis] = stone.add(p, unit(normals[i]), uv)
             ids.append(made[i, axis])
         stone.triangle(*ids)

@@ -1,7 +1,8 @@
 """Trees and a bush: trunk and limbs as tubes, leaves as cards.
 
-The normals of a card's corners are those of the crown, not of the card: light falls on the crown as on a soft, round
-body. Cards also face outwards, within a limit, since shading turns a normal that points away from the viewer.
+The normals of a card's corners are those of the crown more than of the card: light falls on the crown as on a soft,
+round body. Cards stand rather upright and face outwards, within a limit, since shading turns a normal that points away
+from the viewer: a level card seen from below would show the ground's light only, as no leaf that lets light through does.
 Corners deep inside the crown and low in it are darker.
 """
 
@@ -12,6 +13,10 @@ import grounds
 import leaves
 from glb import CLAMP, Material, Model, Primitive
 from shapes import add, cross, dot, mul, perpendicular, tube, unit
+
+
+_UPRIGHT = 0.35  # how much of a card's slope is left; 1: it lies along the crown, 0: it stands upright
+_OF_CARD = 0.6  # weight of the card's own direction beside the crown's in the normals
 
 
 def _random_unit(rng):
@@ -30,10 +35,11 @@ class Crown:
         return tuple((p[i] - center[i]) / radii[i] for i in range(3))
 
     def normal(self, p, lobe):
-        """Outwards from the crown and, as much, from the lobe; a little upwards."""
+        """Outwards from the crown and, as much, from the lobe; flattened, as what shading turns must not point down much."""
         of_lobe = unit(tuple(v / r for v, r in zip(self._scaled(p, *lobe), lobe[1])))
         of_crown = unit(tuple(v / r for v, r in zip(self._scaled(p, self.center, self.radii), self.radii)))
-        return unit(add(add(of_lobe, of_crown), (0.0, 0.25, 0.0)))
+        both = add(of_lobe, of_crown)
+        return unit((both[0], 0.40 * both[1] + 0.08, both[2]))
 
     def brightness(self, p, lobe):
         """What the sky reaches: less inside the lobe, inside the crown and below."""
@@ -54,7 +60,8 @@ def _leaf_cards(primitive, rng, crown, count, size, sag=0.0, tilt=0.75):
             out = (out[0], -out[1], out[2])  # few leaves under a crown
         depth = 0.95 - 0.40 * rng.random() ** 2
         center = tuple(lobe[0][i] + out[i] * lobe[1][i] * depth for i in range(3))
-        facing = unit(add(mul(crown.normal(center, lobe), 1.0), mul(_random_unit(rng), math.sin(tilt))))
+        facing = add(crown.normal(center, lobe), mul(_random_unit(rng), math.sin(tilt)))
+        facing = unit((facing[0], _UPRIGHT * facing[1], facing[2]))
         u, v = perpendicular(facing)
         spin = rng.random() * math.tau
         right = add(mul(u, math.cos(spin)), mul(v, math.sin(spin)))
@@ -65,7 +72,7 @@ def _leaf_cards(primitive, rng, crown, count, size, sag=0.0, tilt=0.75):
             p = add(center, add(mul(right, half * s), mul(up, -half * t)))
             p = (p[0], max(0.02, p[1] - (sag * half if t > 0 else 0.0)), p[2])
             ids.append(primitive.add(
-                p, crown.normal(p, lobe), (0.5 + 0.5 * s, 0.5 + 0.5 * t), min(1.0, crown.brightness(p, lobe)),
+                p, unit(add(crown.normal(p, lobe), mul(facing, _OF_CARD))), (0.5 + 0.5 * s, 0.5 + 0.5 * t), min(1.0, crown.brightness(p, lobe)),
             ))
         primitive.triangle(ids[0], ids[1], ids[2])
         primitive.triangle(ids[0], ids[2], ids[3])
@@ -111,7 +118,7 @@ def birch():
     foliage = Primitive(_leaf_material("birch leaves", leaves.birch()))
     trunk = [(0.0, -0.3, 0.0), (0.0, 0.5, 0.0), (0.08, 2.6, 0.03), (0.02, 5.2, -0.06), (0.12, 8.0, 0.0), (0.1, 10.2, 0.04)]
     tube(wood, trunk, [0.22, 0.15, 0.13, 0.105, 0.065, 0.02], 8, tile)
-    lobes = [((0.1, 9.6, 0.0), (0.8, 1.3, 0.8)), ((0.1, 7.6, 0.0), (1.25, 1.7, 1.25)), ((0.05, 5.6, 0.0), (1.4, 1.6, 1.4))]
+    lobes = [((0.1, 9.4, 0.0), (0.8, 1.4, 0.8)), ((0.1, 7.5, 0.0), (1.25, 1.8, 1.25)), ((0.05, 5.5, 0.0), (1.45, 1.8, 1.45))]
     for i in range(8):
         angle = 2.4 * i + 0.5 * rng.random()
         height = 3.6 + 5.0 * i / 8
@@ -120,7 +127,7 @@ def birch():
         _limb(wood, rng, (0.06, height - 0.9, 0.0), end, 0.05, 4, tile, rise=0.5)
         lobes.append(((end[0], end[1] - 0.3, end[2]), (0.75, 1.0, 0.75)))
     crown = Crown((0.08, 6.6, 0.0), (2.1, 4.4, 2.1), lobes)
-    _leaf_cards(foliage, rng, crown, 220, 1.15, sag=0.5)
+    _leaf_cards(foliage, rng, crown, 285, 1.15, sag=0.4)
     return Model("birch", [wood, foliage])
 
 
@@ -149,7 +156,8 @@ def _branch(primitive, root, heading, length, width, drop, turn, shade):
         row = []
         for s in (-1.0, 1.0):
             p = add(point, add(mul(side, half * s), (0.0, -0.10 * width * (t + 0.3), 0.0)))
-            normal = unit(add(add(out, mul(side, 0.45 * s)), (0.0, 0.75, 0.0)))
+            p = (p[0], max(0.05, p[1]), p[2])
+            normal = unit(add(add(out, mul(side, 0.45 * s)), (0.0, 0.40, 0.0)))
             row.append(primitive.add(p, normal, (0.5 + 0.5 * s, t), shade * (0.50 + 0.50 * t)))
         rows.append(row)
     for near, far in zip(rows, rows[1:]):
@@ -165,7 +173,7 @@ def spruce():
     whorls, heading = 17, 0.0
     for k in range(whorls):
         t = k / (whorls - 1)
-        y = 1.7 + (height - 2.2) * t**0.92
+        y = 2.6 + (height - 3.1) * t**0.92
         reach = (2.75 * (1.0 - t) ** 0.85 + 0.38) * (0.94 + 0.12 * rng.random())
         count = max(4, round(9 - 5 * t))
         heading += 0.9
@@ -173,7 +181,7 @@ def spruce():
             length = reach * (0.85 + 0.28 * rng.random())
             at = heading + math.tau * (i + 0.35 * rng.random()) / count
             width = 0.35 + 0.62 * length
-            drop = length * (0.40 + 0.30 * t + 0.15 * rng.random())
+            drop = min(length * (0.72 + 0.25 * t + 0.2 * rng.random()), y - 0.25)
             _branch(needles, (0.0, y + 0.2 * rng.random(), 0.0), at, length, width, drop, 0.35 * rng.gauss(0, 1), 0.85 + 0.15 * t)
     # The leader: two upright cards crossing, tip upwards.
     for heading in (0.4, 0.4 + math.pi / 2):
