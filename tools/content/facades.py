@@ -79,10 +79,12 @@ def _masonry(seed, length_m, height_m, joint_m, colors, spread, joint_color):
     rng = random.Random(seed)
     across, up = round(WIDTH_M / length_m), round(HEIGHT_M / height_m)
     length, height = WIDTH_M / across, HEIGHT_M / up
-    blocks = [
-        [scaled(mixed(rng.choice(colors), rng.choice(colors), rng.random()), 1 + spread * (2 * rng.random() - 1)) for _ in range(across)]
-        for _ in range(up)
-    ]
+
+    def any_color():
+        color = mixed(rng.choice(colors), rng.choice(colors), rng.random())
+        return scaled(color, 1 + spread * (2 * rng.random() - 1))
+
+    blocks = [[any_color() for _ in range(across)] for _ in range(up)]
 
     def block(x, y, _):
         j = int(y / height) % up

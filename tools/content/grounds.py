@@ -56,7 +56,8 @@ def rock(seed=31):
     bend_x = fractal(SIZE, SIZE, 5, 5, 5, seed + 3, 0.6)
     bend_y = fractal(SIZE, SIZE, 5, 5, 5, seed + 4, 0.6)
     for count, depth, offset in ((4, 0.34, 5), (9, 0.20, 6)):
-        _, border, owner = (_warped(field, SIZE, bend_x, bend_y, 9.0) for field in cells(SIZE, SIZE, count, count, seed + offset))
+        plates = cells(SIZE, SIZE, count, count, seed + offset)
+        _, border, owner = (_warped(field, SIZE, bend_x, bend_y, 9.0) for field in plates)
         c.shade([(n - 0.5) * 2.0 for n in owner], 0.09)
         # A crack comes and goes along its way.
         c.shade([-max(0.0, 1.0 - b / 0.05) * min(1.0, max(0.15, 0.5 + 0.5 * v)) for b, v in zip(border, bend_x)], depth)

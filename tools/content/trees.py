@@ -71,9 +71,8 @@ def _leaf_cards(primitive, rng, crown, count, size, sag=0.0, tilt=0.75):
         for s, t in ((-1, 1), (1, 1), (1, -1), (-1, -1)):
             p = add(center, add(mul(right, half * s), mul(up, -half * t)))
             p = (p[0], max(0.02, p[1] - (sag * half if t > 0 else 0.0)), p[2])
-            ids.append(primitive.add(
-                p, unit(add(crown.normal(p, lobe), mul(facing, _OF_CARD))), (0.5 + 0.5 * s, 0.5 + 0.5 * t), min(1.0, crown.brightness(p, lobe)),
-            ))
+            normal = unit(add(crown.normal(p, lobe), mul(facing, _OF_CARD)))
+            ids.append(primitive.add(p, normal, (0.5 + 0.5 * s, 0.5 + 0.5 * t), crown.brightness(p, lobe)))
         primitive.triangle(ids[0], ids[1], ids[2])
         primitive.triangle(ids[0], ids[2], ids[3])
 
@@ -182,7 +181,8 @@ def spruce():
             at = heading + math.tau * (i + 0.35 * rng.random()) / count
             width = 0.35 + 0.62 * length
             drop = min(length * (0.72 + 0.25 * t + 0.2 * rng.random()), y - 0.25)
-            _branch(needles, (0.0, y + 0.2 * rng.random(), 0.0), at, length, width, drop, 0.35 * rng.gauss(0, 1), 0.85 + 0.15 * t)
+            root = (0.0, y + 0.2 * rng.random(), 0.0)
+            _branch(needles, root, at, length, width, drop, 0.35 * rng.gauss(0, 1), 0.85 + 0.15 * t)
     # The leader: two upright cards crossing, tip upwards.
     for heading in (0.4, 0.4 + math.pi / 2):
         side = (math.cos(heading), 0.0, math.sin(heading))
