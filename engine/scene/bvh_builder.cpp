@@ -17,6 +17,7 @@ namespace {
 
 constexpr int kBins = 16;
 constexpr std::size_t kParallelPrimitives = 1u << 15;  // smaller subtrees are one task
+constexpr int kDeepest = 100;  // from here on halves: no tree has more than 32 levels below, whatever its boxes
 
 struct BinaryNode {
     Box3 box;
@@ -42,22 +43,23 @@ class BinaryBuilder {
         : primitives_(primitives), settings_(settings), fits_(fits) {}
 
     // Nodes of [first, first + count) in preorder, `right` relative to the vector's beginning.
-    std::vector<BinaryNode> build(std::size_t first, std::size_t count) const {
+    std::vector<BinaryNode> build(std::size_t first, std::size_t count, int depth) const {
         std::vector<BinaryNode> nodes;
         if (count < kParallelPrimitives) {
             nodes.reserve(count / 2 + 1);
-            build_serial(first, count, nodes);
+            build_serial(first, count, depth, nodes);
             return nodes;
         }
         BinaryNode node;
-        const std::size_t left_count = split(first, count, node);
+        const std::size_t left_count = split(first, count, depth, node);
         if (left_count == 0) {
             nodes.push_back(node);
             return nodes;
         }
         std::array<std::vector<BinaryNode>, 2> sides;
         parallel_for(2, [&](std::size_t side) {
-            sides[side] = side == 0 ? build(first, left_count) : build(first + left_count, count - left_count);
+            sides[side] = side == 0 ? build(first, left_count, depth + 1)
+                                    : build(first + left_count, count - left_count, depth + 1);
         });
         node.right = std::uint32_t(1 + sides[0].size());
         nodes.reserve(1 + sides[0].size() + sides[1].size());
@@ -74,19 +76,19 @@ class BinaryBuilder {
     }
 
   private:
-    void build_serial(std::size_t first, std::size_t count, std::vector<BinaryNode>& nodes) const {
+    void build_serial(std::size_t first, std::size_t count, int depth, std::vector<BinaryNode>& nodes) const {
         BinaryNode node;
-        const std::size_t left_count = split(first, count, node);
+        const std::size_t left_count = split(first, count, depth, node);
         const std::size_t at = nodes.size();
         nodes.push_back(node);
         if (left_count == 0) return;
-        build_serial(first, left_count, nodes);
+        build_serial(first, left_count, depth + 1, nodes);
         nodes[at].right = std::uint32_t(nodes.size());
-        build_serial(first + left_count, count - left_count, nodes);
+        build_serial(first + left_count, count - left_count, depth + 1, nodes);
     }
 
     // Fills the node and reorders its primitives; returns how many go left, 0 for a leaf.
-    std::size_t split(std::size_t first, std::size_t count, BinaryNode& node) const {
+    std::size_t split(std::size_t first, std::size_t count, int depth, BinaryNode& node) const {
         const std::span<BuildPrimitive> range = primitives_.subspan(first, count);
         Box3 centroids;
         for (const BuildPrimitive& p : range) {
@@ -99,7 +101,7 @@ class BinaryBuilder {
         if (count == 1) return 0;
         const Split best = find_split(range, centroids);
         if (may_be_leaf && (best.axis < 0 || best.cost >= settings_.split_gain * half_area(node.box))) return 0;
-        if (best.axis < 0) return count / 2;  // all centroids in one place: any halves do
+        if (best.axis < 0 || depth >= kDeepest) return count / 2;  // all centroids in one place: any halves do
         const float low = centroids.low[best.axis], scale = bin_scale(centroids, best.axis);
         const auto middle = std::partition(range.begin(), range.end(), [&](const BuildPrimitive& p) {
             return bin_of(p.box.center()[best.axis], low, scale) < best.bin;
@@ -284,7 +286,7 @@ void set_child(BvhNode& node, int lane, const Box3& box, std::uint32_t child) {
 WideBvh build_wide_bvh(std::span<BuildPrimitive> primitives, const BvhBuildSettings& settings, const LeafFits& fits) {
     if (primitives.empty()) return {};
     FF_CHECK(primitives.size() < kBvhLeafBit, "{} primitives", primitives.size());
-    const std::vector<BinaryNode> binary = BinaryBuilder(primitives, settings, fits).build(0, primitives.size());
+    const std::vector<BinaryNode> binary = BinaryBuilder(primitives, settings, fits).build(0, primitives.size(), 0);
     return Collapser(binary).emit();
 }
 

@@ -3,6 +3,8 @@
 #include <fmt/core.h>
 #include <gtest/gtest.h>
 
+#include <hwy/highway.h>
+
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <limits>
@@ -353,6 +355,29 @@ TEST(BeamCaster, ShowsTheSmallerIdWhereTrianglesCoincide) {
     const VisibilityBuffer out = cast_all(*make_beam_caster(scene), make_view(Camera{}, 32, 32));
     EXPECT_EQ(out.instance[out.index(16, 16)], 0u);
     EXPECT_EQ(out.triangle[out.index(16, 16)], 0u);
+}
+
+TEST(BeamCaster, SeesTheSameWithEveryInstructionSet) {
+    const SceneData forest = test::make_forest({.trees = 60, .size_m = 60.0});
+    const SceneData sphere = test::make_closed_sphere(10.0, 20, 0.2);
+    Camera camera;
+    camera.position = {0.0, 2.0, 20.0};
+    const PinholeView view = make_view(camera, 160, 120);
+    const StaticScene forest_scene = forest.view(), sphere_scene = sphere.view();
+    const VisibilityBuffer best = cast_all(*make_beam_caster(forest_scene), view);
+    for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
+        hwy::SetSupportedTargetsForTest(target);
+        hwy::GetChosenTarget().DeInit();
+        const VisibilityBuffer out = cast_all(*make_beam_caster(forest_scene), view);
+        int different = 0;
+        for (std::size_t i = 0; i < out.depth.size(); ++i)
+            different += out.instance[i] != best.instance[i] || out.triangle[i] != best.triangle[i];
+        EXPECT_LT(different, 20) << hwy::TargetName(target);  // edges fall on one or the other side
+        const VisibilityBuffer inside = cast_all(*make_beam_caster(sphere_scene), make_view(Camera{}, 160, 112));
+        for (const std::uint32_t instance : inside.instance) ASSERT_EQ(instance, 0u) << hwy::TargetName(target);
+    }
+    hwy::SetSupportedTargetsForTest(0);
+    hwy::GetChosenTarget().DeInit();
 }
 
 TEST(BeamCaster, SeesOnlySkyInAnEmptyWorld) {
