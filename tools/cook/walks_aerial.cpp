@@ -13,7 +13,7 @@ constexpr double kRate_hz = 30.0;
 constexpr double kSmallScene_m = 600.0;
 constexpr double kLargestRadius_m = 320.0;
 constexpr double kOrbitElevation_deg = 22.0;
-constexpr double kFlyRadius_m = 20.0;  // of the circle flown in the view over the scene
+constexpr double kFlyRadius_m = 14.0;  // of the circle flown in the view over the scene
 constexpr double kFastest_m_s = 29.0;
 constexpr double kFlyClearance_m = 1.5;
 
@@ -46,7 +46,7 @@ std::vector<WalkFrame> fly(const DVec3& eye, double yaw_deg, double height, doub
     for (std::size_t f = 0; f < out.size(); ++f) {
         const double t = double(f) / double(frames - 1);
         const double up = 0.5 - 0.5 * std::cos(2.0 * kPi * t);
-        const double around = 2.0 * kPi * smooth_step((t - 0.2) / 0.6);
+        const double around = 2.0 * kPi * smooth_step((t - 0.15) / 0.7);
         out[f].position = eye + DVec3(0.0, height * up, 0.0) + ahead * (radius * (1.0 - std::cos(around))) +
                           right * (radius * std::sin(around));
         out[f].yaw_deg = yaw_deg + 360.0 * smooth_step(t);
@@ -119,9 +119,10 @@ std::vector<WalkFrame> fly_over(const GroundMap& map, std::uint32_t start, doubl
     double height = std::clamp(0.6 * circle.radius_m + std::max(0.0, around), 20.0, 110.0);
     if (!node.is_outdoors()) height = std::min(height, node.ceiling - node.y - kEyeHeight_m - 0.3);
     std::vector<WalkFrame> out;
-    for (const double radius : {kFlyRadius_m, 14.0, 9.0, 5.0, 2.0, 0.0}) {
+    for (const double radius : {kFlyRadius_m, 9.0, 5.0, 2.0, 0.0}) {
         out = fly(eye, yaw_deg, height, radius, frames);
-        for (; fastest_m_s(out) > kFastest_m_s; height *= 0.97) out = fly(eye, yaw_deg, height * 0.97, radius, frames);
+        while (fastest_m_s(out) > kFastest_m_s && height > 1.0)  // the circle alone is slow enough
+            height *= 0.97, out = fly(eye, yaw_deg, height, radius, frames);
         if (is_free(map, out)) break;
     }
     return out;
