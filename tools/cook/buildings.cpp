@@ -98,9 +98,10 @@ void add_building(const Footprint& footprint, const BuildingLook& look,
         std::vector<DVec2> points = footprint.outer;
         for (const Ring& hole : footprint.holes) points.insert(points.end(), hole.begin(), hole.end());
         for (std::size_t i = 0; i + 2 < triangles.size(); i += 3)
-            mesh.flat_triangle({world_from_plan(points[triangles[i]], foot), world_from_plan(points[triangles[i + 2]], foot),
-                                world_from_plan(points[triangles[i + 1]], foot)},
-                               {Vec2(0), Vec2(0), Vec2(0)}, look.trim_material, style.trim_color);
+            mesh.flat_triangle(
+                {world_from_plan(points[triangles[i]], foot), world_from_plan(points[triangles[i + 2]], foot),
+                 world_from_plan(points[triangles[i + 1]], foot)},
+                {Vec2(0), Vec2(0), Vec2(0)}, look.trim_material, style.trim_color);
     }
 }
 
@@ -116,7 +117,7 @@ void add_buildings(const std::vector<Footprint>& footprints, const BuildingLook&
             &footprint);
     }
     const std::vector<std::pair<std::pair<long, long>, std::vector<const Footprint*>>> ordered(cells.begin(),
-                                                                                              cells.end());
+                                                                                               cells.end());
     std::vector<MeshBuilder> builders;
     for (const auto& [cell, members] : ordered) {
         const DVec2& p = members[0]->outer[0];

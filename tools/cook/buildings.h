@@ -25,9 +25,9 @@ struct FootprintSettings {
 };
 
 /// Reads all Polygon and MultiPolygon features of a file through OGR; of OpenStreetMap extracts those tagged as
-/// buildings (`only_buildings`). A frame that is not there yet becomes the middle of the features. Self-intersecting and
-/// absurd outlines are left out with one counted warning that names the first.
-/// Errors: bad_input for a file that OGR cannot read or that holds no polygons.
+/// buildings (`only_buildings`). A frame that is not there yet becomes the middle of the features. Self-intersecting
+/// and absurd outlines are left out with one counted warning that names the first. Errors: bad_input for a file that
+/// OGR cannot read or that holds no polygons.
 [[nodiscard]] Result<std::vector<Footprint>> read_footprints(const std::filesystem::path& path,
                                                              const FootprintSettings& settings, bool only_buildings,
                                                              std::optional<GroundFrame>& frame, CookContext& context);

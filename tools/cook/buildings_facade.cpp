@@ -63,8 +63,8 @@ class FacadeWriter {
         quad({s1, y0, d1}, {s1, y0, d0}, {s1, y1, d0}, {s1, y1, d1}, material, color);
     }
     /// A wall panel [s0, s1] x [y0, y1] with a hole [a0, a1] x [b0, b1], its reveals, and a pane at depth -recess.
-    void opening(double s0, double s1, double y0, double y1, double a0, double a1, double b0, double b1,
-                 double recess, std::uint32_t pane, std::uint32_t pane_color) {
+    void opening(double s0, double s1, double y0, double y1, double a0, double a1, double b0, double b1, double recess,
+                 std::uint32_t pane, std::uint32_t pane_color) {
         const std::uint32_t m = style_.wall, c = style_.wall_color;
         quad({s0, y0, 0}, {s1, y0, 0}, {a1, b0, 0}, {a0, b0, 0}, m, c);
         quad({s1, y0, 0}, {s1, y1, 0}, {a1, b1, 0}, {a1, b0, 0}, m, c);
@@ -188,8 +188,7 @@ void add_facade(MeshBuilder& mesh, const WallSpan& span, const FacadeStyle& styl
             const double s = std::clamp(i * bay, 0.2, length - 0.2);
             writer.box(s - 0.2, s + 0.2, span.ground_y, span.y1, 0, 0.22, style.trim, style.trim_color);
         }
-    if (style.cornice)
-        writer.box(0, length, span.y1 - 0.35, span.y1 + 0.02, 0, 0.3, style.trim, style.trim_color);
+    if (style.cornice) writer.box(0, length, span.y1 - 0.35, span.y1 + 0.02, 0, 0.3, style.trim, style.trim_color);
 }
 
 void add_box(MeshBuilder& mesh, const DVec2& center, const DVec2& axis, const DVec2& half, double y0, double y1,

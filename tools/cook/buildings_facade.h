@@ -21,19 +21,19 @@ struct FacadeStyle {
     std::uint32_t wall_color = kWhite, glass_color = kWhite, trim_color = kWhite, door_color = kWhite;
     DVec2 wall_tile_m{4.0, 4.0};
     double storey_m = 3.2, ground_storey_m = 3.6;
-    double bay_m = 3.0;           ///< aimed at; bays share the wall's length evenly
-    double window_width = 0.45;   ///< of the bay
-    double window_height = 0.5;   ///< of the storey
-    double sill = 0.28;           ///< of the storey, below the window
-    double recess_m = 0.15;       ///< how far the glass lies behind the wall. > 0
-    bool sills = true;            ///< a ledge below each window
-    bool mullions = true;         ///< a bar down and one across each window
-    bool frames = false;          ///< a raised surround
-    bool ledges = false;          ///< a band between the storeys
-    bool cornice = true;          ///< a wider band at the top
-    bool shops = false;           ///< wide panes on the ground floor
-    double balcony_share = 0.0;   ///< of the upper storeys' bays. [0, 1]
-    bool pilasters = false;       ///< ribs between the bays, over the whole height
+    double bay_m = 3.0;          ///< aimed at; bays share the wall's length evenly
+    double window_width = 0.45;  ///< of the bay
+    double window_height = 0.5;  ///< of the storey
+    double sill = 0.28;          ///< of the storey, below the window
+    double recess_m = 0.15;      ///< how far the glass lies behind the wall. > 0
+    bool sills = true;           ///< a ledge below each window
+    bool mullions = true;        ///< a bar down and one across each window
+    bool frames = false;         ///< a raised surround
+    bool ledges = false;         ///< a band between the storeys
+    bool cornice = true;         ///< a wider band at the top
+    bool shops = false;          ///< wide panes on the ground floor
+    double balcony_share = 0.0;  ///< of the upper storeys' bays. [0, 1]
+    bool pilasters = false;      ///< ribs between the bays, over the whole height
 };
 
 /// Appends a wall. @param seed  decides where doors and balconies go.

@@ -15,9 +15,9 @@
 namespace ff::cook {
 namespace {
 
-constexpr double kMaxBuildingArea = 4e6;     // m²: larger outlines are land use, not houses
-constexpr double kMaxHeight = 1000.0;        // m
-constexpr double kMaxDistance = 200'000.0;   // m from the origin: beyond it the tangent plane means nothing
+constexpr double kMaxBuildingArea = 4e6;    // m²: larger outlines are land use, not houses
+constexpr double kMaxHeight = 1000.0;       // m
+constexpr double kMaxDistance = 200'000.0;  // m from the origin: beyond it the tangent plane means nothing
 constexpr std::size_t kMaxPoints = 20'000;
 
 /// The number that a property begins with: "12", "12.5 m".
@@ -98,9 +98,9 @@ struct FootprintReader {
             if (!hole.empty()) footprint.holes.push_back(std::move(hole));
         }
         const std::optional<double> levels = number_property(feature, settings.levels);
-        footprint.height_m = number_property(feature, settings.height)
-                                 .value_or(levels && *levels > 0 ? *levels * settings.level_height_m
-                                                                 : settings.default_height_m);
+        footprint.height_m =
+            number_property(feature, settings.height)
+                .value_or(levels && *levels > 0 ? *levels * settings.level_height_m : settings.default_height_m);
         footprint.base_m = number_property(feature, settings.base).value_or(0.0);
         if (footprint.base_m < 0) footprint.base_m = 0;
         if (!(footprint.height_m > footprint.base_m) || footprint.height_m > kMaxHeight)
@@ -110,11 +110,14 @@ struct FootprintReader {
 
     void add(const OGRGeometry& geometry, const OGRFeature& feature) {
         switch (wkbFlatten(geometry.getGeometryType())) {
-            case wkbPolygon: add(*geometry.toPolygon(), feature); break;
+            case wkbPolygon:
+                add(*geometry.toPolygon(), feature);
+                break;
             case wkbMultiPolygon:
                 for (const OGRPolygon* part : *geometry.toMultiPolygon()) add(*part, feature);
                 break;
-            default: break;
+            default:
+                break;
         }
     }
 };
@@ -130,8 +133,9 @@ Result<std::vector<Footprint>> read_footprints(const std::filesystem::path& path
     if (!std::filesystem::is_regular_file(path, ignored)) return bad_input(fmt::format("{}: no such file", file));
     const GdalDataset dataset(GDALDataset::Open(file.c_str(), GDAL_OF_VECTOR | GDAL_OF_READONLY));
     if (!dataset)
-        return bad_input(fmt::format("{}: no geometry that OGR reads ({}); expected GeoJSON or an OpenStreetMap extract",
-                                     file, CPLGetLastErrorMsg()));
+        return bad_input(
+            fmt::format("{}: no geometry that OGR reads ({}); expected GeoJSON or an OpenStreetMap extract", file,
+                        CPLGetLastErrorMsg()));
     const bool is_osm = dataset->GetDriver() && std::string_view(dataset->GetDriver()->GetDescription()) == "OSM";
 
     // Features in the file's order; OSM extracts must be read layer by layer as they come.
@@ -163,10 +167,9 @@ Result<std::vector<Footprint>> read_footprints(const std::filesystem::path& path
         features.push_back(std::move(feature));
     }
     if (features.empty())
-        return bad_input(fmt::format("{}: no {}polygons{}", file, is_osm && only_buildings ? "building " : "",
-                                     CPLGetLastErrorType() >= CE_Failure
-                                         ? fmt::format(" ({})", CPLGetLastErrorMsg())
-                                         : std::string()));
+        return bad_input(fmt::format(
+            "{}: no {}polygons{}", file, is_osm && only_buildings ? "building " : "",
+            CPLGetLastErrorType() >= CE_Failure ? fmt::format(" ({})", CPLGetLastErrorMsg()) : std::string()));
     if (!frame) frame = GroundFrame{0.5 * (extent.MinY + extent.MaxY), 0.5 * (extent.MinX + extent.MaxX)};
 
     OGRSpatialReference plane;
@@ -184,8 +187,8 @@ Result<std::vector<Footprint>> read_footprints(const std::filesystem::path& path
         reader.add(*geometry, *feature);
     }
     if (reader.skipped > 0)
-        context.warn(fmt::format("{}: {} outlines left out; the first is {}", file, reader.skipped,
-                                 reader.first_skipped));
+        context.warn(
+            fmt::format("{}: {} outlines left out; the first is {}", file, reader.skipped, reader.first_skipped));
     return footprints;
 }
 

@@ -30,16 +30,14 @@ class EarClipper {
             std::iota(ids.begin(), ids.end(), std::uint32_t(points_.size()));
             points_.insert(points_.end(), hole.begin(), hole.end());
             // Begin at the hole's easternmost point.
-            const auto east = std::max_element(ids.begin(), ids.end(), [&](std::uint32_t a, std::uint32_t b) {
-                return points_[a].x < points_[b].x;
-            });
+            const auto east = std::max_element(
+                ids.begin(), ids.end(), [&](std::uint32_t a, std::uint32_t b) { return points_[a].x < points_[b].x; });
             std::rotate(ids.begin(), east, ids.end());
             if (!ids.empty()) hole_ids.push_back(std::move(ids));
         }
         // From east to west, so that a bridge never needs to cross a hole that is not joined yet.
-        std::stable_sort(hole_ids.begin(), hole_ids.end(), [&](const auto& a, const auto& b) {
-            return points_[a[0]].x > points_[b[0]].x;
-        });
+        std::stable_sort(hole_ids.begin(), hole_ids.end(),
+                         [&](const auto& a, const auto& b) { return points_[a[0]].x > points_[b[0]].x; });
         for (const auto& ids : hole_ids) join(ids);
     }
 

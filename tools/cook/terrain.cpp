@@ -76,9 +76,7 @@ void Terrain::compute_errors(const std::vector<RectXZ>& exact) {
             if (x + s > r.x0 && x - s < r.x1 && z + s > r.z0 && z - s < r.z1) return true;
         return false;
     };
-    const auto child = [&](int x, int z) {
-        return x < 0 || z < 0 || x >= side_ || z >= side_ ? 0.0f : error_at(x, z);
-    };
+    const auto child = [&](int x, int z) { return x < 0 || z < 0 || x >= side_ || z >= side_ ? 0.0f : error_at(x, z); };
 
     for (int s = 1; s < side_; s *= 2) {
         const std::size_t row_count = std::size_t((side_ - 1) / s + 1);
@@ -88,7 +86,8 @@ void Terrain::compute_errors(const std::vector<RectXZ>& exact) {
                 const int z = int(r) * s;
                 const bool odd_row = r % 2 == 1;
                 for (int x = odd_row ? 0 : s; x < side_; x += 2 * s) {
-                    const float ends = odd_row ? height(x, z - s) + height(x, z + s) : height(x - s, z) + height(x + s, z);
+                    const float ends =
+                        odd_row ? height(x, z - s) + height(x, z + s) : height(x - s, z) + height(x + s, z);
                     float error = std::abs(0.5f * ends - height(x, z));
                     if (s > 1) {
                         const int q = s / 2;
@@ -151,9 +150,8 @@ std::optional<double> Terrain::height_at(double x, double z) const {
     }
     while (is_split(a, b, apex)) {
         const Corner middle{(a.x + b.x) / 2, (a.z + b.z) / 2};
-        const bool on_side_of_a = (side_of(apex, middle) >= 0) == ((middle.x - apex.x) * (a.z - apex.z) -
-                                                                       (middle.z - apex.z) * (a.x - apex.x) >=
-                                                                   0);
+        const bool on_side_of_a = (side_of(apex, middle) >= 0) ==
+                                  ((middle.x - apex.x) * (a.z - apex.z) - (middle.z - apex.z) * (a.x - apex.x) >= 0);
         if (on_side_of_a) {
             b = a;
             a = apex;
@@ -195,7 +193,8 @@ void Terrain::add_to(WorldSource& world, const Look& look, int chunk_samples) co
         const Triangle& top = tops[t];
         const DVec3 origin = glm::floor(position({(top.a.x + top.b.x) / 2, (top.a.z + top.b.z) / 2}));
         // Texture coordinates count from a whole number of tiles near the chunk, to keep their digits.
-        const double tile_x = std::floor(origin.x / look.texture_size_m), tile_z = std::floor(origin.z / look.texture_size_m);
+        const double tile_x = std::floor(origin.x / look.texture_size_m),
+                     tile_z = std::floor(origin.z / look.texture_size_m);
         MeshBuilder builder(fmt::format("terrain {}", t), origin);
         std::unordered_map<std::uint64_t, std::uint32_t> vertices;
         const auto vertex = [&](Corner c) {

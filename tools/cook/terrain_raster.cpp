@@ -100,9 +100,10 @@ Result<RectXZ> covered_rect(GDALDataset& dataset, const OGRSpatialReference& fro
             const double v = edge == 2 ? 0.5 : edge == 3 ? rows - 0.5 : 0.5 + t * (rows - 1);
             double x = geo[0] + u * geo[1] + v * geo[2], y = geo[3] + u * geo[4] + v * geo[5];
             if (!transform->Transform(1, &x, &y) || !std::isfinite(x) || !std::isfinite(y))
-                return bad_input(fmt::format("{}: its border does not lie on the plane at the georeference; is it in "
-                                             "the same part of the Earth?",
-                                             name));
+                return bad_input(
+                    fmt::format("{}: its border does not lie on the plane at the georeference; is it in "
+                                "the same part of the Earth?",
+                                name));
             if (edge == 0) rect.x0 = std::max(rect.x0, x);
             if (edge == 1) rect.x1 = std::min(rect.x1, x);
             if (edge == 2) rect.z0 = std::max(rect.z0, -y);
@@ -163,8 +164,7 @@ Result<HeightField> read_georeferenced(GDALDataset& dataset, const OGRSpatialRef
         GDALWarpAppOptionsNew(arguments.List(), nullptr));
     GDALDatasetH source = GDALDataset::ToHandle(&dataset);
     int usage_error = 0;
-    const GdalDataset warped(
-        GDALDataset::FromHandle(GDALWarp("", nullptr, 1, &source, options.get(), &usage_error)));
+    const GdalDataset warped(GDALDataset::FromHandle(GDALWarp("", nullptr, 1, &source, options.get(), &usage_error)));
     if (!warped) return bad_input(fmt::format("{}: cannot be warped to the plane: {}", name, CPLGetLastErrorMsg()));
 
     HeightField field{.low_x = rect.x0, .low_z = rect.z0, .spacing_x = spacing_x, .spacing_z = spacing_z};
@@ -189,9 +189,9 @@ Result<HeightField> read_plain(GDALDataset& dataset, const HeightFileSettings& s
     else
         return bad_input(fmt::format("{}: is not georeferenced; expected [terrain] size_m = [x, z]", name));
     if (is_code && !settings.height_m)
-        return bad_input(fmt::format(
-            "{}: an image whose values are no metres; expected [terrain] height_m = [at 0, at {}]", name,
-            type == GDT_Byte ? 255 : 65535));
+        return bad_input(
+            fmt::format("{}: an image whose values are no metres; expected [terrain] height_m = [at 0, at {}]", name,
+                        type == GDT_Byte ? 255 : 65535));
     FF_ASSIGN(field.heights, read_band(dataset, name));
     if (is_code) {
         const double low = (*settings.height_m)[0];
@@ -209,7 +209,8 @@ Result<HeightField> resample(HeightField field, double spacing, const std::strin
     if (std::abs(spacing / field.spacing_x - 1) < 1e-3 && std::abs(spacing / field.spacing_z - 1) < 1e-3) return field;
     HeightField out{.low_x = field.low_x, .low_z = field.low_z};
     const double width = field.high_x() - field.low_x, depth = field.high_z() - field.low_z;
-    const double columns = std::max(2.0, std::round(width / spacing) + 1), rows = std::max(2.0, std::round(depth / spacing) + 1);
+    const double columns = std::max(2.0, std::round(width / spacing) + 1),
+                 rows = std::max(2.0, std::round(depth / spacing) + 1);
     FF_TRY(check_size(name, columns, rows));
     out.columns = int(columns), out.rows = int(rows);
     out.spacing_x = width / (out.columns - 1), out.spacing_z = depth / (out.rows - 1);
@@ -231,9 +232,10 @@ Result<HeightField> read_height_file(const std::filesystem::path& path, const He
     if (!std::filesystem::is_regular_file(path, ignored)) return bad_input(fmt::format("{}: no such file", name));
     const GdalDataset dataset(GDALDataset::Open(name.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY));
     if (!dataset)
-        return bad_input(fmt::format("{}: not a raster that GDAL reads ({}); expected GeoTIFF, .hgt, ASCII grid or "
-                                     "16-bit PNG",
-                                     name, CPLGetLastErrorMsg()));
+        return bad_input(
+            fmt::format("{}: not a raster that GDAL reads ({}); expected GeoTIFF, .hgt, ASCII grid or "
+                        "16-bit PNG",
+                        name, CPLGetLastErrorMsg()));
     const int bands = dataset->GetRasterCount();
     if (bands != 1 && bands != 2)
         return bad_input(fmt::format("{}: {} channels; expected one channel of heights", name, bands));

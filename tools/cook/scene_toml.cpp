@@ -1,0 +1,403 @@
+#include "tools/cook/scene_toml.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <memory>
+
+#include "engine/core/log.h"
+#include "engine/math/bounds.h"
+#include "tools/cook/buildings_facade.h"
+#include "tools/cook/cook_copies.h"
+#include "tools/cook/gltf_import.h"
+#include "tools/cook/ground_surface.h"
+#include "tools/cook/image_load.h"
+#include "tools/cook/mesh_builder.h"
+#include "tools/cook/scatter.h"
+#include "tools/cook/scene_toml_description.h"
+#include "tools/cook/sky_image.h"
+#include "tools/cook/town_ground.h"
+#include "tools/cook/walks.h"
+
+namespace ff::cook {
+namespace {
+
+/// Builds the world of one description, part by part, in the order in which they stand on each other.
+class SceneBuilder {
+  public:
+    SceneBuilder(const SceneDescription& scene, int scale, CookContext& context)
+        : scene_(scene), scale_(scale), context_(context), frame_(scene.frame) {}
+
+    Result<WorldSource> build() {
+        world_.name = scene_.name;
+        world_.environment = scene_.environment;
+        if (!scene_.sky_panorama.empty()) FF_TRY(load_sky_panorama(scene_.sky_panorama, world_));
+        FF_TRY(add_ground());
+        FF_TRY(add_all_buildings());
+        FF_TRY(add_models());
+        FF_TRY(add_scatters());
+        if (scale_ > 1 && !scene_.town) copy_static_content(world_, static_bounds(), scale_);
+        FF_TRY(add_spawn());
+        FF_TRY(add_walks());
+        if (world_.placements.empty()) return bad_input("holds nothing to draw; expected terrain, buildings or models");
+        make_standard_walks(world_);
+        return std::move(world_);
+    }
+
+  private:
+    Result<std::uint32_t> texture(const std::filesystem::path& path) {
+        const auto [place, is_new] = textures_.try_emplace(path.string(), std::uint32_t(world_.textures.size()));
+        if (is_new) {
+            FF_ASSIGN(SourceTexture loaded, load_texture(path, context_, world_.bytes_in));
+            world_.textures.push_back(std::move(loaded));
+        }
+        return place->second;
+    }
+
+    /// A rough material; without a texture where the path is empty.
+    Result<std::uint32_t> material(const std::filesystem::path& path, const Vec3& color, float roughness = 1.0f) {
+        scene::Material made;
+        made.base_color = Vec4(color, 1.0f);
+        made.roughness = roughness;
+        if (roughness < 0.5f) made.flags |= scene::kMaterialSpecular;
+        if (!path.empty()) {
+            FF_ASSIGN(made.base_color_texture, texture(path));
+        }
+        world_.materials.push_back(made);
+        return std::uint32_t(world_.materials.size() - 1);
+    }
+
+    Result<const Model*> model(const std::filesystem::path& path) {
+        const auto [place, is_new] = models_.try_emplace(path.string());
+        if (is_new) {
+            FF_ASSIGN(place->second, import_gltf(path, world_, context_));
+        }
+        return &place->second;
+    }
+
+    Status add_ground() {
+        if (!scene_.terrain && !scene_.town) return {};
+        HeightField field;
+        const bool has_terrain = scene_.terrain.has_value();
+        if (has_terrain && scene_.terrain->valley) {
+            field = make_valley(*scene_.terrain->valley);
+        } else if (has_terrain) {
+            FF_ASSIGN(field, read_height_file(scene_.terrain->heightmap, scene_.terrain->file, frame_));
+            std::error_code ignored;
+            world_.bytes_in += std::filesystem::file_size(scene_.terrain->heightmap, ignored);
+        }
+        std::vector<RectXZ> exact;
+        if (scene_.town) {
+            FF_TRY(add_town([&](double x, double z) { return has_terrain ? field.sample(x, z) : 0.0; }));
+            if (has_terrain) {
+                shape_ground(field, *town_ground_, site_.blocks);
+                exact = bounds_of(site_.blocks, 2 * std::max(field.spacing_x, field.spacing_z));
+            }
+        }
+        if (!has_terrain) return {};
+        const TerrainDescription& terrain = *scene_.terrain;
+        const double spacing = std::min(field.spacing_x, field.spacing_z);
+        terrain_ = std::make_unique<Terrain>(
+            std::move(field), terrain.max_error_m.value_or(std::max(0.1, spacing / 100)), std::move(exact));
+        Terrain::Look look;
+        const Vec3 plain = terrain.texture.empty() && !terrain.natural_colors ? Vec3(0.32f, 0.36f, 0.22f) : Vec3(1.0f);
+        FF_ASSIGN(look.material, material(terrain.texture, plain));
+        look.steep_material = look.material;
+        if (!terrain.steep_texture.empty()) {
+            FF_ASSIGN(look.steep_material, material(terrain.steep_texture, Vec3(1.0f)));
+            look.steep_cos = std::cos(radians_of(terrain.steep_deg));
+        }
+        look.texture_size_m = terrain.texture_size_m;
+        if (terrain.natural_colors)
+            look.color = [water = terrain.water_m.value_or(-1e6)](double x, double y, double z, const Vec3& normal) {
+                return natural_color(x, y, z, normal, water);
+            };
+        terrain_->add_to(world_, look);
+        if (terrain.water_m) return add_water(*terrain.water_m);
+        return {};
+    }
+
+    /// A level sheet in all squares of the terrain that reach below it.
+    Status add_water(double level) {
+        FF_ASSIGN(const std::uint32_t water, material({}, Vec3(0.05f, 0.12f, 0.16f), 0.12f));
+        const HeightField& field = terrain_->field();
+        constexpr int kStep = 16;
+        MeshBuilder mesh("water", {0, level, 0});
+        for (int j = 0; j + 1 < field.rows; j += kStep)
+            for (int i = 0; i + 1 < field.columns; i += kStep) {
+                const int i1 = std::min(i + kStep, field.columns - 1), j1 = std::min(j + kStep, field.rows - 1);
+                bool wet = false;
+                for (int b = j; b <= j1 && !wet; ++b)
+                    for (int a = i; a <= i1 && !wet; ++a) wet = field.at(a, b) < level;
+                if (!wet) continue;
+                const double x0 = field.low_x + i * field.spacing_x, x1 = field.low_x + i1 * field.spacing_x;
+                const double z0 = field.low_z + j * field.spacing_z, z1 = field.low_z + j1 * field.spacing_z;
+                mesh.flat_quad({DVec3(x0, level, z1), DVec3(x1, level, z1), DVec3(x1, level, z0), DVec3(x0, level, z0)},
+                               {Vec2(0, 1), Vec2(1, 1), Vec2(1, 0), Vec2(0, 0)}, water);
+            }
+        add_static_mesh(world_, std::move(mesh));
+        return {};
+    }
+
+    Status add_town(const std::function<double(double, double)>& landscape) {
+        const TownDescription& town = *scene_.town;
+        city::CitySettings settings = town.settings;
+        settings.scale = scale_;
+        city::CityTextures textures;
+        for (const auto& [path, id] :
+             {std::pair{&town.asphalt, &textures.asphalt}, std::pair{&town.pavement, &textures.pavement},
+              std::pair{&town.grass, &textures.grass}, std::pair{&town.gravel, &textures.gravel},
+              std::pair{&town.roof_red, &textures.roof_red}, std::pair{&town.roof_dark, &textures.roof_dark}})
+            if (!path->empty()) {
+                FF_ASSIGN(*id, texture(*path));
+            }
+        town_ground_ =
+            std::make_unique<TownGround>(settings.center_x, settings.center_z, city_flat_radius_m(settings), landscape);
+        city::add_city(
+            settings, textures, [this](double x, double z) { return town_ground_->height_at(x, z); }, world_, site_);
+        for (const std::array<DVec2, 4>& block : site_.blocks) {
+            Footprint outline;
+            for (const DVec2& p : block) outline.outer.emplace_back(p.x, -p.y);
+            obstacles_.add(outline);
+        }
+
+        // What stands in the town: one model of each kind, chosen by place.
+        using Kind = city::CityProp::Kind;
+        std::map<Kind, std::vector<Model>> models;
+        const auto load = [&](Kind kind, const std::vector<std::filesystem::path>& paths) -> Status {
+            for (const std::filesystem::path& path : paths) {
+                if (path.empty()) continue;
+                FF_ASSIGN(const Model* loaded, model(path));
+                models[kind].push_back(*loaded);
+            }
+            return {};
+        };
+        FF_TRY(load(Kind::street_lamp, {town.lamp}));
+        FF_TRY(load(Kind::bench, {town.bench}));
+        FF_TRY(load(Kind::street_tree, town.street_trees));
+        FF_TRY(load(Kind::park_tree, town.park_trees));
+        FF_TRY(load(Kind::garden_tree, town.garden_trees));
+        FF_TRY(load(Kind::bush, town.bushes));
+        for (const city::CityProp& prop : site_.props) {
+            const std::vector<Model>& choice = models[prop.kind];
+            if (choice.empty()) continue;
+            const std::uint64_t place = hash_mix(settings.seed, std::uint64_t(std::llround(prop.position.x * 100)),
+                                                 std::uint64_t(std::llround(prop.position.z * 100)));
+            const bool grown = prop.kind != Kind::street_lamp && prop.kind != Kind::bench;
+            place_model(choice[place % choice.size()], prop.position,
+                        world_from_yaw(prop.yaw_deg, grown ? 0.75 + 0.4 * hash_unit(place, 1) : 1.0),
+                        PlacementKind::instance, world_);
+        }
+        return {};
+    }
+
+    Status add_all_buildings() {
+        for (const BuildingsDescription& buildings : scene_.buildings) {
+            FF_ASSIGN(const std::vector<Footprint> footprints,
+                      read_footprints(buildings.footprints, buildings.properties, true, frame_, context_));
+            std::error_code ignored;
+            world_.bytes_in += std::filesystem::file_size(buildings.footprints, ignored);
+            BuildingLook look;
+            look.roof = buildings.roof;
+            look.detail = buildings.detail;
+            look.facade_size_m = buildings.facade_size_m;
+            look.level_height_m = buildings.properties.level_height_m;
+            FF_ASSIGN(look.wall_material, material(buildings.facade, Vec3(buildings.facade.empty() ? 0.8f : 1.0f)));
+            FF_ASSIGN(look.roof_material, material({}, buildings.roof == RoofShape::flat ? Vec3(0.34f, 0.33f, 0.32f)
+                                                                                         : Vec3(0.42f, 0.17f, 0.11f)));
+            FF_ASSIGN(look.glass_material, material({}, Vec3(0.10f, 0.13f, 0.16f), 0.15f));
+            FF_ASSIGN(look.trim_material, material({}, Vec3(0.8f)));
+            FF_ASSIGN(look.door_material, material({}, Vec3(0.22f, 0.12f, 0.07f)));
+            const Ground ground = ground_now();
+            add_buildings(
+                footprints, look, [&](double x, double z) { return ground(x, z).value_or(0.0); }, world_);
+            for (const Footprint& footprint : footprints) obstacles_.add(footprint);
+        }
+        return {};
+    }
+
+    Status add_models() {
+        for (const ModelDescription& described : scene_.models) {
+            FF_ASSIGN(const Model* loaded, model(described.file));
+            const std::vector<double>& p = described.position_m;
+            DVec3 position(p.front(), 0, p.back());
+            position.y = p.size() == 3 ? p[1] : ground_now()(position.x, position.z).value_or(0.0);
+            const long uses = std::count_if(scene_.models.begin(), scene_.models.end(),
+                                            [&](const ModelDescription& m) { return m.file == described.file; });
+            const DMat3 turn = world_from_yaw(described.yaw_deg, described.scale);
+            if (described.dynamic) {
+                place_model(*loaded, position, turn, PlacementKind::dynamic, world_);
+            } else {
+                for (const ModelPart& part : loaded->parts)
+                    world_.placements.push_back(
+                        {.mesh = part.mesh,
+                         .position = position + turn * part.position,
+                         .world_from_mesh = Mat3(turn * part.model_from_mesh),
+                         .kind = part.use_count > 1 || uses > 1 ? PlacementKind::instance : PlacementKind::merge});
+            }
+            if (!loaded->bounds.is_empty() && !terrain_) continue;  // a model that is the ground blocks nothing
+            if (!loaded->bounds.is_empty()) {
+                Footprint outline;
+                const DVec3 &low = loaded->bounds.low, &high = loaded->bounds.high;
+                for (const DVec3& corner : {DVec3(low.x, 0, high.z), DVec3(high.x, 0, high.z), DVec3(high.x, 0, low.z),
+                                            DVec3(low.x, 0, low.z)}) {
+                    const DVec3 q = position + turn * corner;
+                    outline.outer.emplace_back(q.x, -q.z);
+                }
+                obstacles_.add(outline);
+            }
+        }
+        return {};
+    }
+
+    Status add_scatters() {
+        if (scene_.scatters.empty()) return {};
+        obstacles_.finish();
+        const Ground ground = ground_now();
+        for (const ScatterDescription& described : scene_.scatters) {
+            std::vector<Model> models;
+            for (const std::filesystem::path& path : described.files) {
+                FF_ASSIGN(const Model* loaded, model(path));
+                models.push_back(*loaded);
+            }
+            ScatterRule rule;
+            rule.density_per_km2 = described.density_per_km2;
+            rule.slope_max_deg = described.slope_max_deg;
+            rule.clump_m = described.clump_m;
+            rule.height_m = described.height_m;
+            rule.scale = described.scale;
+            rule.seed = described.seed;
+            rule.weights = described.weights;
+            if (described.polygons.empty()) {
+                const std::vector<double>& a = described.area_m;
+                rule.area = {a[0], a[1], a[2], a[3]};
+            } else {
+                FF_ASSIGN(rule.polygons, read_footprints(described.polygons, {}, false, frame_, context_));
+                rule.area = {1e9, 1e9, -1e9, -1e9};
+                for (const Footprint& polygon : rule.polygons)
+                    for (const DVec2& p : polygon.outer) {
+                        rule.area.x0 = std::min(rule.area.x0, p.x), rule.area.x1 = std::max(rule.area.x1, p.x);
+                        rule.area.z0 = std::min(rule.area.z0, -p.y), rule.area.z1 = std::max(rule.area.z1, -p.y);
+                    }
+            }
+            scatter(models, rule, ground, obstacles_, world_);
+        }
+        return {};
+    }
+
+    Status add_spawn() {
+        if (!scene_.spawn) {
+            choose_spawn(world_);
+            return {};
+        }
+        const auto& [x, z, yaw] = *scene_.spawn;
+        world_.spawn_position = {x, scene_.spawn_y ? *scene_.spawn_y : ground_now()(x, z).value_or(0.0), z};
+        world_.spawn_yaw_deg = yaw;
+        return {};
+    }
+
+    Status add_walks() {
+        for (const WalkDescription& described : scene_.walks) {
+            if (!described.file.empty()) {
+                FF_ASSIGN(SourceWalk walk, read_walk_file(described.file, described.name));
+                world_.walks.push_back(std::move(walk));
+                continue;
+            }
+            world_.walks.push_back(walk_along(described));
+        }
+        return {};
+    }
+
+    /// One frame every 1/30 s along the line through the points, looking ahead.
+    SourceWalk walk_along(const WalkDescription& described) {
+        const Ground ground = ground_now();
+        const auto point = [&](std::size_t i) {
+            const std::vector<double>& p = described.points_m[i];
+            return DVec3(p.front(), p.size() == 3 ? p[1] : 0.0, p.back());
+        };
+        SourceWalk walk{.name = described.name, .frames = {}};
+        const double step = described.speed_m_s / walk.rate_hz;
+        double left_over = 0;
+        for (std::size_t i = 0; i + 1 < described.points_m.size(); ++i) {
+            const DVec3 a = point(i), b = point(i + 1);
+            const double length = std::hypot(b.x - a.x, b.z - a.z);
+            if (length < 1e-9) continue;
+            double yaw = degrees_of(std::atan2(b.x - a.x, a.z - b.z));
+            double s = left_over;
+            for (; s <= length && walk.frames.size() < 1'000'000; s += step) {
+                DVec3 p = a + (b - a) * (s / length);
+                const bool on_ground = described.points_m[i].size() == 2 || described.points_m[i + 1].size() == 2;
+                if (on_ground) p.y = ground(p.x, p.z).value_or(0.0) + described.eye_height_m;
+                walk.frames.push_back({glm::round(p * 1e6) / 1e6, std::round(yaw * 1e6) / 1e6, 0, 0});
+            }
+            left_over = s - length;
+        }
+        return walk;
+    }
+
+    using Ground = GroundHeight;
+
+    /// The ground as it is at this point of the building: town, terrain, or the models placed so far.
+    Ground ground_now() {
+        if (!terrain_ && !town_ground_) {
+            if (!surface_ || surface_placements_ != world_.placements.size()) {
+                surface_ = std::make_shared<GroundSurface>(world_);
+                surface_placements_ = world_.placements.size();
+            }
+            return [surface = surface_](double x, double z) { return surface->height_at(x, z); };
+        }
+        return [this](double x, double z) -> std::optional<double> {
+            if (town_ground_ && (!terrain_ || in_town(x, z))) return town_ground_->height_at(x, z);
+            return terrain_->height_at(x, z);
+        };
+    }
+
+    [[nodiscard]] bool in_town(double x, double z) const {
+        return std::any_of(site_.blocks.begin(), site_.blocks.end(),
+                           [&](const std::array<DVec2, 4>& block) { return contains(block, DVec2(x, z)); });
+    }
+
+    [[nodiscard]] DBox3 static_bounds() const {
+        DBox3 bounds;
+        for (const Placement& placement : world_.placements)
+            if (placement.kind != PlacementKind::dynamic)
+                for (const Vec3& p : world_.meshes[placement.mesh].geometry.positions)
+                    bounds.add(placement.position + DVec3(placement.world_from_mesh * p));
+        return bounds;
+    }
+
+    const SceneDescription& scene_;
+    int scale_;
+    CookContext& context_;
+    std::optional<GroundFrame> frame_;
+    WorldSource world_;
+    std::map<std::string, std::uint32_t> textures_;
+    std::map<std::string, Model> models_;
+    std::unique_ptr<Terrain> terrain_;
+    std::unique_ptr<TownGround> town_ground_;
+    city::CitySite site_;
+    std::shared_ptr<GroundSurface> surface_;
+    std::size_t surface_placements_ = 0;
+    Obstacles obstacles_;
+};
+
+}  // namespace
+
+Result<WorldSource> load_scene_toml(const std::filesystem::path& path, const SceneTomlSettings& settings,
+                                    CookContext& context) {
+    FF_ASSIGN(const SceneDescription scene, read_scene_description(path));
+    Result<WorldSource> world = SceneBuilder(scene, settings.scale, context).build();
+    if (!world) {
+        // Every message names a file; those of the parts name their own.
+        if (world.error().message.rfind("holds nothing", 0) == 0)
+            return bad_input(fmt::format("{}: {}", path.string(), world.error().message));
+        return world.error();
+    }
+    std::error_code ignored;
+    world->bytes_in += std::filesystem::file_size(path, ignored);
+    return world;
+}
+
+}  // namespace ff::cook
