@@ -18,7 +18,7 @@ struct CellRect {
 namespace detail {
 
 struct CellPolygon {
-    std::array<DVec3, 12> corners;  // a triangle cut by four lines has at most 7
+    DVec3 corners[12];  // a triangle cut by four lines has at most 7; left unset
     int count = 0;
 };
 
@@ -58,32 +58,33 @@ void for_each_cell(const std::array<DVec3, 3>& corners, const CellRect& rect, Vi
         visit(x_begin, z_begin, low, high);
         return;
     }
-    CellPolygon rest, row, cell, next;
-    rest.count = 3;
-    std::copy(corners.begin(), corners.end(), rest.corners.begin());
-    detail::cut(rest, 2, z_begin, row, next);
+    CellPolygon buffers[4];
+    CellPolygon *rest = &buffers[0], *row = &buffers[1], *cell = &buffers[2], *next = &buffers[3];
+    rest->count = 3;
+    std::copy(corners.begin(), corners.end(), rest->corners);
+    detail::cut(*rest, 2, z_begin, *row, *next);
     std::swap(rest, next);
-    for (int z = z_begin; z <= z_last && rest.count > 0; ++z) {
-        detail::cut(rest, 2, z + 1, row, next);
+    for (int z = z_begin; z <= z_last && rest->count > 0; ++z) {
+        detail::cut(*rest, 2, z + 1, *row, *next);
         std::swap(rest, next);
-        if (row.count == 0) continue;
-        double row_min = row.corners[0].x, row_max = row_min;
-        for (int i = 1; i < row.count; ++i) {
-            row_min = std::min(row_min, row.corners[std::size_t(i)].x);
-            row_max = std::max(row_max, row.corners[std::size_t(i)].x);
+        if (row->count == 0) continue;
+        double row_min = row->corners[0].x, row_max = row_min;
+        for (int i = 1; i < row->count; ++i) {
+            row_min = std::min(row_min, row->corners[std::size_t(i)].x);
+            row_max = std::max(row_max, row->corners[std::size_t(i)].x);
         }
         if (row_max < rect.x0 || row_min >= rect.x1) continue;
         const int begin = first(row_min, rect.x0), end = last(row_max, rect.x1);
-        detail::cut(row, 0, begin, cell, next);
+        detail::cut(*row, 0, begin, *cell, *next);
         std::swap(row, next);
-        for (int x = begin; x <= end && row.count > 0; ++x) {
-            detail::cut(row, 0, x + 1, cell, next);
+        for (int x = begin; x <= end && row->count > 0; ++x) {
+            detail::cut(*row, 0, x + 1, *cell, *next);
             std::swap(row, next);
-            if (cell.count == 0) continue;
-            double low = cell.corners[0].y, high = low;
-            for (int i = 1; i < cell.count; ++i) {
-                low = std::min(low, cell.corners[std::size_t(i)].y);
-                high = std::max(high, cell.corners[std::size_t(i)].y);
+            if (cell->count == 0) continue;
+            double low = cell->corners[0].y, high = low;
+            for (int i = 1; i < cell->count; ++i) {
+                low = std::min(low, cell->corners[std::size_t(i)].y);
+                high = std::max(high, cell->corners[std::size_t(i)].y);
             }
             visit(x, z, low, high);
         }

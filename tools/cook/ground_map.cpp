@@ -13,7 +13,7 @@ namespace ff::cook {
 namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
-constexpr double kHalfWindow_m = 600.0;
+constexpr double kHalfWindow_m = 256.0;
 constexpr double kMargin_m = 24.0;        // of free ground around a world that has none of its own
 constexpr double kMostFragments = 150e6;  // cells covered by triangles, all layers
 constexpr int kStripRows = 32;
@@ -314,13 +314,15 @@ void connect(const std::vector<Strip>& strips, std::vector<Floor> Strip::*which,
     find_regions(map);
 }
 
-// A city without ground: one could walk nowhere but on roofs, and between its things is a lot of nothing.
+// A city without ground: one could walk nowhere but on roofs, each for itself and high above the feet of the walls, and
+// between them is a lot of nothing.
 bool lacks_ground(const GroundMap& map, const std::vector<Strip>& strips, const FootLevel& foot_level) {
-    std::uint64_t empty = 0;
+    std::uint64_t empty = 0, all = 0;
     for (const Strip& strip : strips) empty += strip.empty_columns;
+    for (const std::uint32_t cells : map.region_cells) all += cells;
     const auto largest = std::max_element(map.region_cells.begin(), map.region_cells.end());
     if (largest == map.region_cells.end()) return true;
-    if (2 * std::uint64_t(*largest) > empty) return false;
+    if (2 * std::uint64_t(*largest) > empty || 6 * std::uint64_t(*largest) > all) return false;
     const auto region = static_cast<std::uint32_t>(largest - map.region_cells.begin());
     double height = 0;
     for (const GroundNode& node : map.nodes)

@@ -52,7 +52,7 @@ struct GroundMap {
     [[nodiscard]] double step_m() const { return cell_m > 0.5 ? 0.9 * cell_m : 0.45; }
 };
 
-/// The ground within 600 m (along x and z) of a place. Cells are 0.5 m, larger where the triangles would cover too
+/// The ground within 256 m (along x and z) of a place. Cells are 0.5 m, larger where the triangles would cover too
 /// many. Takes about a second a million triangles; parallel; deterministic for any number of workers.
 [[nodiscard]] GroundMap make_ground_map(const StaticTriangles& triangles, const DensityMap& density, PointXZ center);
 

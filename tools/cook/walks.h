@@ -13,7 +13,7 @@ namespace ff::cook {
 void choose_spawn(WorldSource& world);
 
 /// Appends `street`, `orbit`, `flyover`, `turn` and `sprint` where no walk of that name is there yet. `street` runs
-/// through the densest part within 600 m of the spawn point. Positions are whole micrometres: the same on every machine.
+/// through the part around the spawn point. Positions are whole micrometres: the same on every machine.
 /// Takes time in proportion to the triangles; makes no use of randomness.
 void make_standard_walks(WorldSource& world);
 
