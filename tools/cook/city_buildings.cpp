@@ -69,7 +69,7 @@ FacadeStyle city_facade(const BlockWriter& writer, WallKind kind, std::uint64_t 
     s.trim_color = pack_color(Vec3(float(0.55 + 0.3 * hash_unit(seed, 1))));
     s.storey_m = 3.0 + 0.3 * hash_unit(seed, 2);
     s.ground_storey_m = 4.0;
-    double bay = 3.0 + 1.0 * hash_unit(seed, 3);
+    double bay = 3.5 + 1.2 * hash_unit(seed, 3);
     switch (kind) {
         case WallKind::brick:
             s.wall = m.brick, s.wall_color = choose_color(kBricks, seed);
@@ -78,7 +78,7 @@ FacadeStyle city_facade(const BlockWriter& writer, WallKind kind, std::uint64_t 
             break;
         case WallKind::plaster:
             s.wall = m.plaster, s.wall_color = choose_color(kPlasters, seed);
-            s.mullions = chance(4, 0.5), s.ledges = chance(5, 0.5), s.frames = chance(6, 0.45);
+            s.mullions = chance(4, 0.5), s.ledges = chance(5, 0.5), s.frames = chance(6, 0.35);
             s.window_width = 0.40, s.window_height = 0.56;
             break;
         case WallKind::stone:
@@ -92,7 +92,7 @@ FacadeStyle city_facade(const BlockWriter& writer, WallKind kind, std::uint64_t 
             s.trim_color = s.wall_color;
             s.mullions = false, s.sills = chance(4, 0.3), s.ledges = chance(5, 0.4);
             s.window_width = 0.66 + 0.15 * hash_unit(seed, 7), s.window_height = 0.5, s.recess_m = 0.35;
-            bay += 0.6;
+            bay += 1.0;
             break;
         case WallKind::curtain:
             s.wall = m.concrete, s.wall_color = choose_color(kSpandrels, seed);
@@ -101,7 +101,7 @@ FacadeStyle city_facade(const BlockWriter& writer, WallKind kind, std::uint64_t 
             s.mullions = false, s.sills = false, s.pilasters = chance(6, 0.4);
             s.window_width = 0.9, s.window_height = 0.74, s.sill = 0.2, s.recess_m = 0.12;
             s.storey_m = 3.7;
-            bay += 0.3;
+            bay += 0.6;
             break;
     }
     s.bay_m = bay / std::sqrt(detail);
@@ -110,9 +110,9 @@ FacadeStyle city_facade(const BlockWriter& writer, WallKind kind, std::uint64_t 
 
 FacadeStyle plainer(const FacadeStyle& style) {
     FacadeStyle s = style;
-    s.mullions = s.frames = s.ledges = s.shops = false;
+    s.mullions = s.frames = s.ledges = s.shops = s.sills = false;
     s.pilasters = false;
-    s.bay_m *= 1.15;
+    s.bay_m *= 1.25;
     return s;
 }
 

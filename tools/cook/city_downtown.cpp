@@ -43,7 +43,7 @@ void add_tower(BlockWriter& writer, const Quad& lot, double foot_y, double floor
         const double tall = whole_storeys(remaining * share, style);
         body.top_y = floor_y + tall + parapet;
         for (int i = 0; i < 4; ++i) body.sides[i].door = doors && tier == 0;
-        add_body_walls(writer, body, style, place, doors && tier == 0 ? floor_y + 24.0 : floor_y);
+        add_body_walls(writer, body, style, place, doors && tier == 0 ? floor_y + 15.0 : floor_y);
         add_parapet_roof(writer.mesh, corners, body.top_y, parapet, roof);
         remaining -= tall;
         foot_y = body.top_y - parapet - 0.2, floor_y = body.top_y - parapet;
@@ -63,8 +63,9 @@ void add_tower(BlockWriter& writer, const Quad& lot, double foot_y, double floor
 
 double tower_height(const BlockWriter& writer, std::uint64_t seed) {
     const double most = writer.plan.settings().max_height_m;
-    const double fall = 1.0 - 0.72 * std::clamp(writer.block.centrality, 0.0, 1.0);
-    return std::max(16.0, most * fall * (0.6 + 0.4 * hash_unit(seed, 83)));
+    const double away = std::clamp(writer.block.centrality, 0.0, 1.0);
+    const double fall = 1.0 - 0.75 * away * std::sqrt(away);
+    return std::max(16.0, most * fall * (0.5 + 0.5 * hash_unit(seed, 83)));
 }
 
 void add_standing_tower(BlockWriter& writer, const Quad& lot, double height, std::uint64_t seed) {

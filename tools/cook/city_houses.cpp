@@ -91,7 +91,7 @@ void add_house(BlockWriter& writer, const Quad& lot, std::uint64_t seed) {
 
     const double dice = hash_unit(seed, 134);
     FacadeStyle style = city_facade(writer, dice < 0.55 ? WallKind::plaster : WallKind::brick, seed);
-    style.bay_m = (3.1 + 0.6 * hash_unit(seed, 135)) / std::sqrt(writer.plan.settings().detail);
+    style.bay_m = (3.4 + 0.6 * hash_unit(seed, 135)) / std::sqrt(writer.plan.settings().detail);
     style.storey_m = style.ground_storey_m = 2.8;
     style.ledges = false, style.cornice = false, style.recess_m = 0.12;
     style.trim_color = pack_color(Vec3(float(0.6 + 0.25 * hash_unit(seed, 136))));

@@ -31,10 +31,10 @@ Lot plan_lot(const BlockWriter& writer, const Quad& corners, std::uint64_t seed)
                             : dice < 0.8 ? WallKind::brick
                                          : WallKind::stone,
                             seed);
-    lot.style.bay_m *= 1.12;
+    lot.style.bay_m *= 1.25;
     lot.style.shops = hash_unit(seed, 101) < 0.55;
     lot.style.balcony_share = hash_unit(seed, 102) < 0.3 ? 0.22 : 0.0;
-    const int storeys = 4 + int(hash_mix(writer.block.seed, 103) % 2) + int(hash_mix(seed, 104) % 3);
+    const int storeys = 4 + int(hash_mix(seed, 104) % 3);
     const auto [low, high] = ground_range(writer, corners);
     lot.floor_y = high + kPavementLift, lot.foot_y = low - 0.5;
     lot.top = hash_unit(seed, 105) < 0.55 ? Top::gabled : Top::flat;
