@@ -47,7 +47,8 @@ DensityMap map_of(const StaticTriangles& triangles, double low_x, double low_z, 
                     map.high[cell] = std::max(map.high[cell], static_cast<float>(high));
                 });
                 if (middle.x >= rect.x0 && middle.x < rect.x1 && middle.z >= rect.z0 && middle.z < rect.z1)
-                    ++counts[std::size_t(middle.z) * std::size_t(map.width) + std::size_t(middle.x)];
+                    counts[std::size_t(middle.z) * std::size_t(map.width) + std::size_t(middle.x)] +=
+                        triangle.is_level ? 1u : 8u;
             });
     });
 

@@ -18,10 +18,11 @@ struct DensityMap {
     double low_x = 0, low_z = 0, cell_m = 1;
     int width = 0, depth = 0;         ///< cells along x and z; 0 for an empty world
     std::vector<float> low, high;     ///< of all triangles in a cell, metres; +inf, -inf where there are none
-    std::vector<std::uint64_t> sums;  ///< summed area table of triangle counts, (width + 1) x (depth + 1)
+    std::vector<std::uint64_t> sums;  ///< summed area table of weighted triangle counts, (width + 1) x (depth + 1)
 
     [[nodiscard]] std::size_t index_at(double x, double z) const;  ///< of the cell; clamped to the border
-    /// Triangles whose middles lie in cells that meet the square around a place.
+    /// Triangles whose middles lie in cells that meet the square around a place. Level ones count 1, others 8: a plain,
+    /// however finely cut, is no place to look at.
     [[nodiscard]] std::uint64_t triangles_near(double x, double z, double half_side_m) const;
     /// The highest thing in the cells that meet the square; -inf where there is nothing.
     [[nodiscard]] double top_near(double x, double z, double half_side_m) const;

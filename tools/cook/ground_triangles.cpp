@@ -13,6 +13,7 @@ namespace {
 
 constexpr std::uint32_t kPieceTriangles = 512;
 constexpr double kFloorNormalY = 0.7;        // 45 degrees: steeper ground is climbed, not walked
+constexpr double kLevelNormalY = 0.999;      // 2.5 degrees
 constexpr double kMaskedFloorArea_m2 = 1.0;  // a masked texture on a large flat face is ground with holes, not leaves
 constexpr std::uint32_t kAlwaysTriangles = 64;  // meshes up to here are always given whole
 
@@ -41,6 +42,7 @@ bool StaticTriangles::make(std::uint32_t placement_id, std::uint32_t triangle, W
     const double length = glm::length(normal);
     const std::uint32_t flags = world_.materials[mesh.triangle_materials[triangle]].flags;
     const double up = (flags & scene::kMaterialDoubleSided) != 0 ? std::abs(normal.y) : normal.y;
+    out.is_level = std::abs(normal.y) >= kLevelNormalY * length;
     const bool is_flat = up > kFloorNormalY * length;
     const bool is_masked = (flags & (scene::kMaterialAlphaMask | scene::kMaterialBlend)) != 0;
     if (is_masked && !((flags & scene::kMaterialBlend) == 0 && is_flat && length * 0.5 > kMaskedFloorArea_m2))

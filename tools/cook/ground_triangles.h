@@ -22,6 +22,7 @@ enum class SurfaceKind : std::uint8_t {
 struct WorldTriangle {
     std::array<DVec3, 3> corners;
     SurfaceKind kind = SurfaceKind::wall;
+    bool is_level = false;  ///< horizontal, or without area: gives nothing to see
 };
 
 /// Some triangles of one placement.

@@ -12,8 +12,9 @@ namespace ff::cook {
 /// longer free way. An empty world keeps the origin.
 void choose_spawn(WorldSource& world);
 
-/// Appends `street`, `orbit`, `flyover`, `turn` and `sprint` where no walk of that name is there yet. `street` runs
-/// through the part around the spawn point. Positions are whole micrometres: the same on every machine.
+/// Appends `street`, `orbit`, `flyover`, `turn` and `sprint` where no walk of that name is there yet. `street` is a jog
+/// of 40 m at 3 m/s around a corner near the spawn point (a stroll would end before it). Positions are whole
+/// micrometres: the same on every machine.
 /// Takes time in proportion to the triangles; makes no use of randomness.
 void make_standard_walks(WorldSource& world);
 
