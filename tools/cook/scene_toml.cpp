@@ -110,13 +110,29 @@ class SceneBuilder {
             look.steep_cos = std::cos(radians_of(terrain.steep_deg));
         }
         look.texture_size_m = terrain.texture_size_m;
-        if (terrain.natural_colors)
+        if (terrain.natural_colors) {
+            for (const std::uint32_t id : {look.material, look.steep_material}) divide_out_mean(world_.materials[id]);
             look.color = [water = terrain.water_m.value_or(-1e6)](double x, double y, double z, const Vec3& normal) {
                 return natural_color(x, y, z, normal, water);
             };
+        }
         terrain_->add_to(world_, look);
         if (terrain.water_m) return add_water(*terrain.water_m);
         return {};
+    }
+
+    /// Leaves of a texture its pattern alone: its mean becomes white.
+    void divide_out_mean(scene::Material& material) const {
+        if (material.base_color_texture == scene::kNoTexture) return;
+        const SourceTexture& texture = world_.textures[material.base_color_texture];
+        double sum[3] = {0, 0, 0};
+        for (const std::uint32_t texel : texture.rgba)
+            for (int c = 0; c < 3; ++c) {
+                const double v = double(texel >> (8 * c) & 255) / 255.0;
+                sum[c] += v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4);
+            }
+        for (int c = 0; c < 3; ++c)
+            material.base_color[c] = float(std::clamp(double(texture.rgba.size()) / std::max(sum[c], 1e-6), 1.0, 16.0));
     }
 
     /// A level sheet in all squares of the terrain that reach below it.

@@ -5,7 +5,6 @@
 #include <glm/common.hpp>
 
 #include "engine/core/jobs.h"
-#include "tools/cook/buildings_facade.h"
 #include "tools/cook/mesh_builder.h"
 
 namespace ff::cook {
@@ -16,6 +15,15 @@ double smooth(double low, double high, double v) {
     return t * t * (3.0 - 2.0 * t);
 }
 
+/// In [-1, 1), from whole numbers: the finalizer of MurmurHash3 (Appleby 2011) over all three at once.
+double corner_value(std::uint64_t seed, std::int64_t i, std::int64_t j) {
+    std::uint64_t h = seed * 0x9E3779B97F4A7C15ull ^ std::uint64_t(i) * 0xC2B2AE3D27D4EB4Full ^
+                      std::uint64_t(j) * 0x165667B19E3779F9ull;
+    h = (h ^ (h >> 33)) * 0xFF51AFD7ED558CCDull;
+    h = (h ^ (h >> 33)) * 0xC4CEB9FE1A85EC53ull;
+    return double((h ^ (h >> 33)) >> 11) * 0x1.0p-52 - 1.0;
+}
+
 }  // namespace
 
 double value_noise(std::uint64_t seed, double x, double z) {
@@ -23,7 +31,7 @@ double value_noise(std::uint64_t seed, double x, double z) {
     const double u = x - i, v = z - j;
     const double fu = u * u * u * (u * (u * 6 - 15) + 10), fv = v * v * v * (v * (v * 6 - 15) + 10);
     const auto corner = [&](double a, double b) {
-        return 2.0 * hash_unit(seed, std::uint64_t(std::int64_t(i + a)), std::uint64_t(std::int64_t(j + b))) - 1.0;
+        return corner_value(seed, std::int64_t(i + a), std::int64_t(j + b));
     };
     const double north = corner(0, 0) + fu * (corner(1, 0) - corner(0, 0));
     const double south = corner(0, 1) + fu * (corner(1, 1) - corner(0, 1));
@@ -62,8 +70,8 @@ HeightField make_valley(const ValleySettings& s) {
                 const double from_axis = std::abs(z - bend) + 900.0 * fractal_noise(s.seed + 12, x / 2600, z / 2600, 3);
                 const double rise = smooth(half, half + 9000.0, from_axis);
                 const double foothill = smooth(half - 300.0, half + 2500.0, from_axis);
-                const double ridges = 1.0 - std::abs(fractal_noise(s.seed + 13, x / 7000, z / 7000, 7, 0.48)) * 2.2;
-                const double rolling = 0.5 + 0.5 * fractal_noise(s.seed + 14, x / 2200, z / 2200, 5);
+                const double ridges = 1.0 - std::abs(fractal_noise(s.seed + 13, x / 7000, z / 7000, 5, 0.42)) * 2.2;
+                const double rolling = 0.5 + 0.5 * fractal_noise(s.seed + 14, x / 2200, z / 2200, 4);
                 double y = 3.0 + 2.0 * fractal_noise(s.seed + 15, x / 900, z / 900, 3) + 170.0 * foothill * rolling +
                            s.relief_m * rise * std::max(0.0, 0.35 + 0.65 * ridges);
                 // The river, 70 m wide, between the town and the southern hills.
@@ -83,8 +91,8 @@ HeightField make_valley(const ValleySettings& s) {
 }
 
 std::uint32_t natural_color(double x, double y, double z, const Vec3& normal, double water_m) {
-    const Vec3 meadow(0.30f, 0.42f, 0.14f), dry(0.52f, 0.47f, 0.22f), wood(0.10f, 0.20f, 0.07f);
-    const Vec3 rock(0.42f, 0.40f, 0.38f), snow(0.92f, 0.94f, 0.97f), sand(0.55f, 0.49f, 0.35f);
+    const Vec3 meadow(0.15f, 0.22f, 0.06f), dry(0.30f, 0.26f, 0.10f), wood(0.05f, 0.09f, 0.03f);
+    const Vec3 rock(0.26f, 0.25f, 0.24f), snow(0.86f, 0.88f, 0.92f), sand(0.40f, 0.35f, 0.24f);
     const auto mix = [](const Vec3& a, const Vec3& b, double t) {
         return glm::mix(a, b, float(std::clamp(t, 0.0, 1.0)));
     };

@@ -11,7 +11,7 @@ namespace ff::cook {
 struct ValleySettings {
     std::uint64_t seed = 1;
     std::array<double, 2> size_m{60000.0, 60000.0};
-    double spacing_m = 30.0;
+    double spacing_m = 40.0;
     double relief_m = 1100.0;       ///< of the highest mountains above the floor
     double floor_width_m = 6000.0;  ///< of the level ground between the hills, north to south
     double water_m = -4.0;          ///< level of the river and the lakes; the floor lies a little above 0
@@ -27,7 +27,7 @@ struct ValleySettings {
 [[nodiscard]] double fractal_noise(std::uint64_t seed, double x, double z, int octaves, double gain = 0.5);
 
 /// A colour for natural ground, linear RGBA8: meadows, fields and woods below, rock where it is steep, scree and snow
-/// high up. Multiplies a texture of light grey.
+/// high up. For a texture whose mean colour has been divided out.
 [[nodiscard]] std::uint32_t natural_color(double x, double y, double z, const Vec3& normal, double water_m);
 
 }  // namespace ff::cook
