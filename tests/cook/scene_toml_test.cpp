@@ -41,7 +41,8 @@ class SceneToml : public testing::Test {
     }
     static std::size_t triangles(const WorldSource& world) {
         std::size_t count = 0;
-        for (const SourceMesh& mesh : world.meshes) count += mesh.geometry.triangle_materials.size();
+        for (const Placement& placement : world.placements)
+            count += world.meshes[placement.mesh].geometry.triangle_materials.size();
         return count;
     }
 

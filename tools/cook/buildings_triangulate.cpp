@@ -33,7 +33,7 @@ class EarClipper {
             const auto east = std::max_element(
                 ids.begin(), ids.end(), [&](std::uint32_t a, std::uint32_t b) { return points_[a].x < points_[b].x; });
             std::rotate(ids.begin(), east, ids.end());
-            if (!ids.empty()) hole_ids.push_back(std::move(ids));
+            if (ids.size() >= 3) hole_ids.push_back(std::move(ids));
         }
         // From east to west, so that a bridge never needs to cross a hole that is not joined yet.
         std::stable_sort(hole_ids.begin(), hole_ids.end(),
@@ -70,6 +70,10 @@ class EarClipper {
         std::size_t bridge = 0;
         for (std::size_t i = 0; i < outline_.size(); ++i) {
             const DVec2 &a = point(i), &b = point(i + 1);
+            if (a == m && sees(i, points_[hole[1]])) {  // the hole touches a corner: joined by a bridge of no length
+                insert_hole(i, hole);
+                return;
+            }
             if ((a.y > m.y) == (b.y > m.y) && a.y != m.y && b.y != m.y) continue;
             if (a.y == b.y) continue;
             const double t = (m.y - a.y) / (b.y - a.y);
@@ -84,13 +88,12 @@ class EarClipper {
         if (std::isfinite(nearest)) {
             const DVec2 hit{nearest, m.y}, end = point(bridge);
             double best = std::numeric_limits<double>::infinity();
-            const std::size_t first = bridge;
             for (std::size_t i = 0; i < outline_.size(); ++i) {
-                if (i == first || point(i) == end) continue;
+                if (point(i) == end) continue;
                 const DVec2& p = point(i);
                 const bool inside = end.y > m.y ? in_triangle(m, hit, end, p) : in_triangle(m, end, hit, p);
                 if (!inside || p.x < m.x) continue;
-                if (cross(point(i + outline_.size() - 1), p, point(i + 1)) > 0) continue;  // convex: hides nothing
+                if (!sees(i, m)) continue;
                 const double dx = p.x - m.x, dy = std::abs(p.y - m.y);
                 const double slope = dx > 0 ? dy / dx : (dy > 0 ? 1e300 : 0.0);
                 if (slope < best) {
@@ -99,11 +102,29 @@ class EarClipper {
                 }
             }
         }
-        // outline .. b [hole[0] .. hole[n-1] hole[0]] b ..
+        // Earlier bridges visit a corner several times: take the visit on whose side the hole lies.
+        if (!sees(bridge, m))
+            for (std::size_t i = 0; i < outline_.size(); ++i)
+                if (point(i) == point(bridge) && sees(i, m)) {
+                    bridge = i;
+                    break;
+                }
+        insert_hole(bridge, hole);
+    }
+
+    // outline .. b [hole[0] .. hole[n-1] hole[0]] b ..
+    void insert_hole(std::size_t bridge, const std::vector<std::uint32_t>& hole) {
         std::vector<std::uint32_t> inserted(hole);
         inserted.push_back(hole[0]);
         inserted.push_back(outline_[bridge]);
         outline_.insert(outline_.begin() + std::ptrdiff_t(bridge) + 1, inserted.begin(), inserted.end());
+    }
+
+    /// Whether p lies within the angle of the corner at `at`, on the polygon's side.
+    bool sees(std::size_t at, const DVec2& p) const {
+        const DVec2 &before = point(at + outline_.size() - 1), &corner = point(at), &after = point(at + 1);
+        const bool left_of_before = cross(before, corner, p) > 0, left_of_after = cross(corner, after, p) > 0;
+        return cross(before, corner, after) > 0 ? left_of_before && left_of_after : left_of_before || left_of_after;
     }
 
     bool is_ear(std::size_t at) const {

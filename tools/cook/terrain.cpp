@@ -48,14 +48,13 @@ DVec3 Terrain::position(Corner c) const {
     return {field_.low_x + c.x * field_.spacing_x, field_.at(c.x, c.z), field_.low_z + c.z * field_.spacing_z};
 }
 
-// The error of a midpoint m: how far the mesh may be off within the diamond of the two triangles that share the
-// hypotenuse through m, if m is left out. It is at least that of the diamonds inside, so that whoever keeps a small
+// The error of a midpoint m: the most that the mesh is off, at any sample, where the two triangles that share the
+// hypotenuse through m are not split. It is made at least that of the diamonds inside, so that whoever keeps a small
 // diamond's midpoint keeps all larger ones around it, which is what leaves no cracks.
 //
 // Step s = 1, 2, 4, ..: first the midpoints of axis-aligned hypotenuses of length 2 s, then of diagonals across squares
-// of side 2 s; each looks at the four midpoints of the step before it.
+// of side 2 s; each looks at the four midpoints of the step before it. Every step visits every sample: n log n.
 void Terrain::compute_errors(const std::vector<RectXZ>& exact) {
-    const int last_column = field_.columns - 1, last_row = field_.rows - 1;
     errors_.assign(std::size_t(side_) * side_, 0.0f);
     struct SampleRect {
         int x0, z0, x1, z1;
@@ -66,54 +65,77 @@ void Terrain::compute_errors(const std::vector<RectXZ>& exact) {
         const auto row = [&](double z) { return int(std::clamp((z - field_.low_z) / field_.spacing_z, -1e6, 1e6)); };
         exact_samples.push_back({column(r.x0) - 1, row(r.z0) - 1, column(r.x1) + 2, row(r.z1) + 2});
     }
-    const float infinite = std::numeric_limits<float>::infinity();
-    const auto height = [&](int x, int z) { return field_.at(std::min(x, last_column), std::min(z, last_row)); };
-    const auto forced = [&](int x, int z, int s) {
-        const bool reaches_in = x - s < last_column && z - s < last_row;
-        const bool reaches_out = x + s > last_column || z + s > last_row;
-        if (reaches_in && reaches_out) return true;
-        for (const SampleRect& r : exact_samples)
-            if (x + s > r.x0 && x - s < r.x1 && z + s > r.z0 && z - s < r.z1) return true;
-        return false;
+    const auto is_exact = [&](int x, int z, int s) {
+        return std::any_of(exact_samples.begin(), exact_samples.end(), [&](const SampleRect& r) {
+            return x + s > r.x0 && x - s < r.x1 && z + s > r.z0 && z - s < r.z1;
+        });
     };
-    const auto child = [&](int x, int z) { return x < 0 || z < 0 || x >= side_ || z >= side_ ? 0.0f : error_at(x, z); };
+    const auto known = [&](int x, int z) { return x < 0 || z < 0 || x >= side_ || z >= side_ ? 0.0f : error_at(x, z); };
+    const float infinite = std::numeric_limits<float>::infinity();
 
-    for (int s = 1; s < side_; s *= 2) {
+    for (int s = 1; 2 * s < side_; s *= 2) {
         const std::size_t row_count = std::size_t((side_ - 1) / s + 1);
-        // Midpoints of axis-aligned hypotenuses.
-        parallel_ranges(row_count, 16, [&](std::size_t begin, std::size_t end) {
+        parallel_ranges(row_count, 4, [&](std::size_t begin, std::size_t end) {
             for (std::size_t r = begin; r < end; ++r) {
-                const int z = int(r) * s;
-                const bool odd_row = r % 2 == 1;
-                for (int x = odd_row ? 0 : s; x < side_; x += 2 * s) {
-                    const float ends =
-                        odd_row ? height(x, z - s) + height(x, z + s) : height(x - s, z) + height(x + s, z);
-                    float error = std::abs(0.5f * ends - height(x, z));
-                    if (s > 1) {
-                        const int q = s / 2;
-                        error = std::max({error, child(x - q, z - q), child(x + q, z - q), child(x - q, z + q),
-                                          child(x + q, z + q)});
+                const int z = int(r) * s, q = s / 2;
+                const bool upright = r % 2 == 1;  // the hypotenuse runs along z
+                for (int x = upright ? 0 : s; x < side_; x += 2 * s) {
+                    const int dx = upright ? 0 : s, dz = s - dx;
+                    float error = is_exact(x, z, s) ? infinite : 0.0f;
+                    for (const int side : {-1, 1}) {
+                        const Corner apex{x + side * dz, z + side * dx};
+                        if (apex.x < 0 || apex.z < 0 || apex.x >= side_ || apex.z >= side_) continue;
+                        error = std::max(error, deviation({x - dx, z - dz}, {x + dx, z + dz}, apex));
                     }
-                    errors_[std::size_t(z) * side_ + x] = forced(x, z, s) ? infinite : error;
+                    if (s > 1)
+                        error = std::max({error, known(x - q, z - q), known(x + q, z - q), known(x - q, z + q),
+                                          known(x + q, z + q)});
+                    errors_[std::size_t(z) * side_ + x] = error;
                 }
             }
         });
-        // Midpoints of diagonals: the centres of squares of side 2 s. The diagonal runs through the centre of the
-        // square of twice the size.
-        parallel_ranges(row_count / 2, 16, [&](std::size_t begin, std::size_t end) {
+        // The diagonal of a square runs through the centre of the square of twice the size.
+        parallel_ranges(row_count / 2, 4, [&](std::size_t begin, std::size_t end) {
             for (std::size_t r = begin; r < end; ++r) {
                 const int z = int(2 * r + 1) * s;
                 for (int x = s; x < side_; x += 2 * s) {
-                    const bool main_diagonal = ((x / (2 * s)) + int(r)) % 2 == 0;
-                    const float ends = main_diagonal ? height(x - s, z - s) + height(x + s, z + s)
-                                                     : height(x - s, z + s) + height(x + s, z - s);
-                    const float error = std::max({std::abs(0.5f * ends - height(x, z)), error_at(x - s, z),
-                                                  error_at(x + s, z), error_at(x, z - s), error_at(x, z + s)});
-                    errors_[std::size_t(z) * side_ + x] = forced(x, z, s) ? infinite : error;
+                    const int turn = ((x / (2 * s)) + int(r)) % 2 == 0 ? s : -s;
+                    const Corner a{x - s, z - turn}, b{x + s, z + turn};
+                    float error = is_exact(x, z, s) ? infinite : 0.0f;
+                    error = std::max({error, deviation(a, b, {a.x, b.z}), deviation(a, b, {b.x, a.z}),
+                                      error_at(x - s, z), error_at(x + s, z), error_at(x, z - s), error_at(x, z + s)});
+                    errors_[std::size_t(z) * side_ + x] = error;
                 }
             }
         });
     }
+}
+
+float Terrain::deviation(Corner a, Corner b, Corner apex) const {
+    if (is_outside(a, b, apex)) return 0.0f;
+    const int x0 = std::min({a.x, b.x, apex.x}), x1 = std::max({a.x, b.x, apex.x});
+    const int z0 = std::min({a.z, b.z, apex.z}), z1 = std::max({a.z, b.z, apex.z});
+    if (x1 >= field_.columns || z1 >= field_.rows)
+        return std::numeric_limits<float>::infinity();  // straddles the border
+    const auto twice_area = [](Corner p, Corner q, int x, int z) {
+        return (q.x - p.x) * (z - p.z) - (q.z - p.z) * (x - p.x);
+    };
+    if (twice_area(a, b, apex.x, apex.z) < 0) std::swap(a, b);
+    const float total = float(twice_area(a, b, apex.x, apex.z));
+    const float ha = field_.at(a.x, a.z), hb = field_.at(b.x, b.z), hc = field_.at(apex.x, apex.z);
+    float worst = 0;
+    for (int z = z0; z <= z1; ++z) {
+        // Weights change by whole numbers along a row.
+        int wa = twice_area(b, apex, x0, z), wb = twice_area(apex, a, x0, z), wc = twice_area(a, b, x0, z);
+        const float* heights = &field_.heights[std::size_t(z) * std::size_t(field_.columns)];
+        for (int x = x0; x <= x1; ++x) {
+            if ((wa | wb | wc) >= 0)
+                worst =
+                    std::max(worst, std::abs((float(wa) * ha + float(wb) * hb + float(wc) * hc) / total - heights[x]));
+            wa -= apex.z - b.z, wb -= a.z - apex.z, wc -= b.z - a.z;
+        }
+    }
+    return worst;
 }
 
 bool Terrain::is_split(Corner a, Corner b, Corner apex) const {

@@ -87,6 +87,8 @@ class Terrain {
     [[nodiscard]] DVec3 position(Corner c) const;
     [[nodiscard]] bool is_split(Corner a, Corner b, Corner apex) const;
     [[nodiscard]] bool is_outside(Corner a, Corner b, Corner c) const;
+    /// The most that a triangle is off at any sample within; +inf where it reaches over the border, 0 outside.
+    [[nodiscard]] float deviation(Corner a, Corner b, Corner apex) const;
     void compute_errors(const std::vector<RectXZ>& exact);
     template <class Visit>
     void visit_triangles(Corner a, Corner b, Corner apex, const Visit& visit) const;
