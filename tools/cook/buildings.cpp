@@ -91,6 +91,7 @@ void add_building(const Footprint& footprint, const BuildingLook& look,
         else
             add_hipped_roof(mesh, corners, eaves, roof);
     } else {
+        roof.roof = look.flat_roof_material;
         add_flat_roof(mesh, footprint, top, roof);
     }
     if (!stands) {  // an underside for what hangs over

@@ -37,7 +37,8 @@ struct BuildingLook {
     bool detail = false;
     DVec2 facade_size_m{12.0, 9.6};  ///< what one tile of the wall's texture covers
     double level_height_m = 3.2;
-    std::uint32_t wall_material = 0, roof_material = 0, glass_material = 0, trim_material = 0, door_material = 0;
+    std::uint32_t wall_material = 0, roof_material = 0, flat_roof_material = 0, glass_material = 0, trim_material = 0,
+                  door_material = 0;
     bool tint = true;  ///< vary the wall's colour from house to house
 };
 

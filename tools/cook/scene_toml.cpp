@@ -112,8 +112,9 @@ class SceneBuilder {
         look.texture_size_m = terrain.texture_size_m;
         if (terrain.natural_colors) {
             for (const std::uint32_t id : {look.material, look.steep_material}) divide_out_mean(world_.materials[id]);
-            look.color = [water = terrain.water_m.value_or(-1e6)](double x, double y, double z, const Vec3& normal) {
-                return natural_color(x, y, z, normal, water);
+            look.color = [water = terrain.water_m.value_or(-1e6), snow = terrain.snow_line_m](
+                             double x, double y, double z, const Vec3& normal) {
+                return natural_color(x, y, z, normal, water, snow);
             };
         }
         terrain_->add_to(world_, look);
@@ -221,8 +222,8 @@ class SceneBuilder {
             look.facade_size_m = buildings.facade_size_m;
             look.level_height_m = buildings.properties.level_height_m;
             FF_ASSIGN(look.wall_material, material(buildings.facade, Vec3(buildings.facade.empty() ? 0.8f : 1.0f)));
-            FF_ASSIGN(look.roof_material, material({}, buildings.roof == RoofShape::flat ? Vec3(0.34f, 0.33f, 0.32f)
-                                                                                         : Vec3(0.42f, 0.17f, 0.11f)));
+            FF_ASSIGN(look.roof_material, material({}, Vec3(0.42f, 0.17f, 0.11f)));
+            FF_ASSIGN(look.flat_roof_material, material({}, Vec3(0.34f, 0.33f, 0.32f)));
             FF_ASSIGN(look.glass_material, material({}, Vec3(0.10f, 0.13f, 0.16f), 0.15f));
             FF_ASSIGN(look.trim_material, material({}, Vec3(0.8f)));
             FF_ASSIGN(look.door_material, material({}, Vec3(0.22f, 0.12f, 0.07f)));

@@ -64,6 +64,7 @@ void read_terrain(const toml::table& source, TomlReport& report, SceneDescriptio
     terrain.steep_texture = table.file("steep_texture");
     terrain.steep_deg = table.number("steep_deg", 35, 0, 90);
     terrain.natural_colors = table.boolean("natural_colors", false);
+    terrain.snow_line_m = table.number("snow_line_m", 900, -12000, 12000);
     terrain.water_m = table.optional_number("water_m", -12000, 12000);
     if (table.has("generator")) {
         table.choice("generator", 0, {"valley"});

@@ -26,6 +26,7 @@ struct TerrainDescription {
     std::filesystem::path texture, steep_texture;
     double texture_size_m = 12.0, steep_deg = 35.0;
     bool natural_colors = false;
+    double snow_line_m = 900.0;
     std::optional<double> water_m;
 };
 

@@ -90,7 +90,7 @@ HeightField make_valley(const ValleySettings& s) {
     return field;
 }
 
-std::uint32_t natural_color(double x, double y, double z, const Vec3& normal, double water_m) {
+std::uint32_t natural_color(double x, double y, double z, const Vec3& normal, double water_m, double snow_line_m) {
     const Vec3 meadow(0.15f, 0.22f, 0.06f), dry(0.30f, 0.26f, 0.10f), wood(0.05f, 0.09f, 0.03f);
     const Vec3 rock(0.26f, 0.25f, 0.24f), snow(0.86f, 0.88f, 0.92f), sand(0.40f, 0.35f, 0.24f);
     const auto mix = [](const Vec3& a, const Vec3& b, double t) {
@@ -100,9 +100,11 @@ std::uint32_t natural_color(double x, double y, double z, const Vec3& normal, do
     color = mix(color, wood, smooth(0.0, 0.25, fractal_noise(102, x / 1100, z / 1100, 4)) * smooth(15, 60, y));
     const double steep = 1.0 - double(normal.y);
     color = mix(color, rock, smooth(0.10, 0.24, steep + 0.05 * value_noise(103, x / 90, z / 90)));
-    color = mix(color, rock, smooth(520, 760, y + 120 * value_noise(104, x / 500, z / 500)));
     color =
-        mix(color, snow, smooth(820, 980, y + 110 * value_noise(105, x / 350, z / 350)) * smooth(0.34, 0.18, steep));
+        mix(color, rock, smooth(0.6 * snow_line_m, 0.85 * snow_line_m, y + 120 * value_noise(104, x / 500, z / 500)));
+    color = mix(color, snow,
+                smooth(snow_line_m - 80, snow_line_m + 80, y + 110 * value_noise(105, x / 350, z / 350)) *
+                    smooth(0.34, 0.18, steep));
     color = mix(color, sand, smooth(water_m + 2.5, water_m + 0.5, y));
     return pack_color(color * float(0.94 + 0.12 * value_noise(106, x / 40, z / 40)));
 }

@@ -27,7 +27,9 @@ struct ValleySettings {
 [[nodiscard]] double fractal_noise(std::uint64_t seed, double x, double z, int octaves, double gain = 0.5);
 
 /// A colour for natural ground, linear RGBA8: meadows, fields and woods below, rock where it is steep, scree and snow
-/// high up. For a texture whose mean colour has been divided out.
-[[nodiscard]] std::uint32_t natural_color(double x, double y, double z, const Vec3& normal, double water_m);
+/// high up. Snow begins about snow_line_m, bare rock at two thirds of it. For a texture whose mean colour has been
+/// divided out.
+[[nodiscard]] std::uint32_t natural_color(double x, double y, double z, const Vec3& normal, double water_m,
+                                          double snow_line_m);
 
 }  // namespace ff::cook
