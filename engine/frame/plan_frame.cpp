@@ -111,7 +111,9 @@ void plan_frame(const scene::StaticScene& scene, std::span<const scene::Instance
     plan.rasterise = plan.near_m > 0.0;
     plan.software_opacity = settings.opacity == OpacityKind::software;
     plan.fill_panorama = settings.use_panorama && history.rest_frames >= kRestFrames;
-    plan.look_up_panorama = settings.use_panorama && (choice.look_up_panorama || plan.fill_panorama);
+    // A moving viewer's texels are off by up to max_parallax_px: worth it only to keep a budget.
+    const bool reuse_while_moving = settings.budget_ms > 0.0 && choice.look_up_panorama;
+    plan.look_up_panorama = settings.use_panorama && (reuse_while_moving || plan.fill_panorama);
     // A frame that nearly fills its budget is remembered, for the next may not fit.
     constexpr double kTightShare = 0.6;
     const bool tight =
