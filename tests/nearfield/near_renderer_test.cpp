@@ -160,7 +160,8 @@ TEST_F(NearRendererTest, dynamic_instances_appear_under_their_own_ids) {
 
 TEST_F(NearRendererTest, an_empty_set_leaves_every_pixel_unresolved) {
     const scene::SceneData world = test::make_empty_world();
-    auto renderer = NearRenderer::make(world.view());
+    const scene::StaticScene scene = world.view();  // outlives the renderer
+    auto renderer = NearRenderer::make(scene);
     ASSERT_TRUE(renderer) << renderer.error().message;
     VisibilityBuffer buffer;
     NearStats stats;
@@ -173,7 +174,8 @@ TEST_F(NearRendererTest, an_empty_set_leaves_every_pixel_unresolved) {
 
 TEST_F(NearRendererTest, a_view_too_large_for_the_driver_is_refused) {
     const scene::SceneData world = test::make_empty_world();
-    auto renderer = NearRenderer::make(world.view());
+    const scene::StaticScene scene = world.view();  // outlives the renderer
+    auto renderer = NearRenderer::make(scene);
     ASSERT_TRUE(renderer) << renderer.error().message;
     PinholeView view = make_view({}, 16, 16);
     view.width = 1 << 20;
@@ -283,7 +285,8 @@ TEST_F(NearRendererTest, every_combination_of_material_features_has_a_program) {
     }
     for (const float fog : {0.0f, 0.1f}) {
         world.environment.fog_density_per_m = fog;
-        const auto renderer = NearRenderer::make(world.view());
+        const scene::StaticScene scene = world.view();  // outlives the renderer
+        const auto renderer = NearRenderer::make(scene);
         EXPECT_TRUE(renderer) << renderer.error().message;
     }
 }
