@@ -1,4 +1,4 @@
-// ff bench: the modes lap by lap in one process, and one JSON object on stdout (the contract; docs/bench.md).
+// ff bench: the modes lap by lap in one process, and one JSON object on stdout (README.md names its parts).
 
 #include <sys/resource.h>
 

@@ -32,7 +32,7 @@ class Session {
   public:
     /// Opens OpenGL too where a mode or a fixed near distance needs it, or where it is hardware: there the hybrid's
     /// controller may choose a near field. A software rasteriser is never cheaper than the caster
-    /// (docs/measurements.md), so then the hybrid does without it.
+    ///, so then the hybrid does without it.
     static Result<std::unique_ptr<Session>> open(const ViewOptions& options, std::span<const frame::Mode> modes);
     ~Session();
 
