@@ -1,10 +1,10 @@
 #include "engine/farfield/beam_caster.h"
 
-#include <atomic>
 #include <glm/matrix.hpp>
 
 #include "engine/core/check.h"
 #include "engine/core/jobs.h"
+#include "engine/farfield/cast_cost_sum.h"
 
 namespace ff::farfield {
 namespace beam {
@@ -27,17 +27,6 @@ DMat3 BeamView::tile_from_world(int x, int y) const {
 
 namespace {
 
-struct SharedCost {
-    std::atomic<std::uint64_t> rays{0}, nodes{0}, triangles{0};
-
-    void add(const CastCost& cost) {
-        rays.fetch_add(cost.rays, std::memory_order_relaxed);
-        nodes.fetch_add(cost.nodes, std::memory_order_relaxed);
-        triangles.fetch_add(cost.triangles, std::memory_order_relaxed);
-    }
-    [[nodiscard]] CastCost total() const { return {rays, nodes, triangles}; }
-};
-
 class BeamCaster final : public RayCaster {
   public:
     explicit BeamCaster(const scene::StaticScene& scene) : scene_(scene) {}
@@ -46,7 +35,7 @@ class BeamCaster final : public RayCaster {
         FF_CHECK(out.width >= view.width && out.height >= view.height, "view {} x {}, buffer {} x {}", view.width,
                  view.height, out.width, out.height);
         const beam::BeamView beam_view(view);
-        SharedCost shared;
+        CastCostSum shared;
         parallel_ranges(tiles.size(), 8, [&](std::size_t begin, std::size_t end) {
             CastCost cost;
             for (std::size_t i = begin; i < end; ++i) beam::cast_tile(scene_, beam_view, tiles[i], out, cost);
@@ -57,7 +46,7 @@ class BeamCaster final : public RayCaster {
 
     CastCost cast_rays(std::span<const Ray> rays, std::span<RayHit> hits) override {
         FF_CHECK(rays.size() == hits.size(), "{} rays, {} hits", rays.size(), hits.size());
-        SharedCost shared;
+        CastCostSum shared;
         parallel_ranges(rays.size(), 64, [&](std::size_t begin, std::size_t end) {
             CastCost cost;
             for (std::size_t i = begin; i < end; ++i) hits[i] = beam::cast_ray(scene_, rays[i], cost);

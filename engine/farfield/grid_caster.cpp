@@ -1,11 +1,11 @@
 // The ray caster of P0 4.2 over regular grids.
 
-#include <atomic>
 #include <glm/matrix.hpp>
 
 #include "engine/core/check.h"
 #include "engine/core/jobs.h"
 #include "engine/core/stopwatch.h"
+#include "engine/farfield/cast_cost_sum.h"
 #include "engine/farfield/grid_traversal.h"
 
 namespace ff::farfield {
@@ -13,17 +13,6 @@ namespace {
 
 constexpr std::size_t kTilesPerTask = 8;
 constexpr std::size_t kRaysPerTask = 256;
-
-/// Sums over parallel tasks.
-struct SharedCost {
-    std::atomic<std::uint64_t> rays{0}, nodes{0}, triangles{0};
-    void add(const CastCost& cost) {
-        rays.fetch_add(cost.rays, std::memory_order_relaxed);
-        nodes.fetch_add(cost.nodes, std::memory_order_relaxed);
-        triangles.fetch_add(cost.triangles, std::memory_order_relaxed);
-    }
-    [[nodiscard]] CastCost sum() const { return {rays.load(), nodes.load(), triangles.load()}; }
-};
 
 class GridCaster final : public RayCaster {
   public:
@@ -46,22 +35,22 @@ class GridCaster final : public RayCaster {
     CastCost cast_tiles(const PinholeView& view, std::span<const TileRequest> tiles, VisibilityBuffer& out) override {
         FF_CHECK(out.width >= view.width && out.height >= view.height, "a buffer of {}x{} for a view of {}x{}",
                  out.width, out.height, view.width, view.height);
-        SharedCost cost;
+        CastCostSum cost;
         parallel_ranges(tiles.size(), kTilesPerTask, [&](std::size_t begin, std::size_t end) {
             cost.add(grid::cast_packets(world_, view, tiles.subspan(begin, end - begin), out));
         });
-        return cost.sum();
+        return cost.total();
     }
 
     CastCost cast_rays(std::span<const Ray> rays, std::span<RayHit> hits) override {
         FF_CHECK(hits.size() >= rays.size(), "{} rays, room for {} hits", rays.size(), hits.size());
-        SharedCost cost;
+        CastCostSum cost;
         parallel_ranges(rays.size(), kRaysPerTask, [&](std::size_t begin, std::size_t end) {
             CastCost sum;
             for (std::size_t i = begin; i < end; ++i) hits[i] = grid::cast_ray(world_, rays[i], 0.0f, sum);
             cost.add(sum);
         });
-        return cost.sum();
+        return cost.total();
     }
 
     [[nodiscard]] std::uint64_t memory_bytes() const override {
