@@ -1,7 +1,7 @@
 // Tile beams against Embree's packets on the same views, interleaved frame by frame: medians, and the pixels in which
 // they differ (another primitive at a depth that differs by more than 1e-4). One worker in processor time, which other
 // programs on the machine disturb least; two workers in wall time.
-// Usage: bench_beam [world name or "all"] [width] [height] [laps]
+// Usage: bench_beam [world name, "all" or PACK.ffpack:WALK] [width] [height] [laps]
 
 #include <fmt/core.h>
 
@@ -18,6 +18,9 @@
 #include "engine/core/stopwatch.h"
 #include "engine/farfield/embree_caster.h"
 #include "engine/farfield/ray_caster.h"
+#include "engine/scene/load_world.h"
+#include "engine/scene/walk.h"
+#include "engine/scene/world.h"
 #include "tests/support/worlds.h"
 
 namespace {
@@ -87,15 +90,13 @@ double median(std::vector<double> values) {
     return values[values.size() / 2];
 }
 
-void run(const World& world, int width, int height, int laps) {
-    const scene::SceneData data = world.make();
-    const scene::StaticScene scene = data.view();
+void run(const std::string& name, const scene::StaticScene& scene, std::span<const PinholeView> views, int width,
+         int height, int laps) {
     const auto embree = farfield::make_embree_caster(scene, {});
     const auto fast = farfield::make_embree_caster(scene, {.robust = false});
     const auto beam = farfield::make_beam_caster(scene);
     const std::array<RayCaster*, 3> casters = {embree.get(), fast.get(), beam.get()};
     const auto tiles = all_tiles(width, height);
-    const auto views = views_of(world, width, height);
     std::array<std::array<std::vector<double>, 2>, 3> ms;
     std::array<VisibilityBuffer, 3> images;
     for (VisibilityBuffer& image : images) image.resize(width, height);
@@ -135,10 +136,29 @@ void run(const World& world, int width, int height, int laps) {
     fmt::print(
         "{:14} {:8} tri | embree {:6.2f} {:6.2f} ms | fast {:6.2f} {:6.2f} | beam {:6.2f} {:6.2f} ms, {:4.0f} "
         "Mrays/s | ratio {:4.2f} {:4.2f} | {:5.1f} ppm differ | a tile: {:.1f} nodes, {:.0f} triangles\n",
-        world.name, scene.triangle_materials.size(), figure(0, 0), figure(0, 1), figure(1, 0), figure(1, 1),
-        figure(2, 0), figure(2, 1), width * height / figure(2, 1) * 1e-3,
-        std::min(figure(0, 0), figure(1, 0)) / figure(2, 0), std::min(figure(0, 1), figure(1, 1)) / figure(2, 1),
-        1e6 * double(different) / double(pixels), double(nodes) * per_tile, double(triangles) * per_tile);
+        name, scene.triangle_materials.size(), figure(0, 0), figure(0, 1), figure(1, 0), figure(1, 1), figure(2, 0),
+        figure(2, 1), width * height / figure(2, 1) * 1e-3, std::min(figure(0, 0), figure(1, 0)) / figure(2, 0),
+        std::min(figure(0, 1), figure(1, 1)) / figure(2, 1), 1e6 * double(different) / double(pixels),
+        double(nodes) * per_tile, double(triangles) * per_tile);
+}
+
+// Sixteen frames of a pack's walk, evenly.
+int run_pack(const std::string& pack, const std::string& walk_name, int width, int height, int laps) {
+    const Result<std::unique_ptr<scene::World>> world = scene::load_world(pack);
+    if (!world) {
+        fmt::print(stderr, "bench_beam: {}\n", world.error().message);
+        return 3;
+    }
+    const scene::Walk* walk = (*world)->find_walk(walk_name);
+    if (walk == nullptr) {
+        fmt::print(stderr, "bench_beam: {} has no walk '{}'\n", pack, walk_name);
+        return 2;
+    }
+    std::vector<PinholeView> views;
+    for (std::size_t i = 0; i < 16; ++i)
+        views.push_back(make_view(walk->camera(i * walk->frames.size() / 16), width, height));
+    run(walk_name, (*world)->scene(), views, width, height, laps);
+    return 0;
 }
 
 }  // namespace
@@ -147,8 +167,12 @@ int main(int argc, char** argv) {
     const std::string name = argc > 1 ? argv[1] : "all";
     const int width = argc > 2 ? std::atoi(argv[2]) : 640, height = argc > 3 ? std::atoi(argv[3]) : 480;
     const int laps = argc > 4 ? std::atoi(argv[4]) : 5;
+    if (const std::size_t colon = name.rfind(':'); colon != std::string::npos)
+        return run_pack(name.substr(0, colon), name.substr(colon + 1), width, height, laps);
     for (const World& world : worlds()) {
-        if (name == "all" || name == world.name) run(world, width, height, laps);
+        if (name != "all" && name != world.name) continue;
+        const scene::SceneData data = world.make();
+        run(world.name, data.view(), views_of(world, width, height), width, height, laps);
     }
     return 0;
 }
