@@ -49,11 +49,17 @@ bool vertices_fit(const MeshSource& mesh, std::span<const BuildPrimitive> triang
     return std::size_t(vertices.count()) <= 2 * triangles.size();
 }
 
-// How many triangles of this mesh a leaf's vertices let in: all where triangles share them, few where each has its own.
+// How many triangles of this mesh usually go into a leaf: all where they share vertices well, else as many as need not
+// share any. A number that many leaves cannot hold would make the builder peel single triangles off until one fits.
 std::uint32_t usual_leaf_triangles(const MeshSource& mesh) {
-    if (mesh.positions.empty()) return BvhLeaf::kMaxTriangles;
-    const std::size_t usual = BvhLeaf::kMaxVertices * (mesh.indices.size() / 3) / mesh.positions.size();
-    return std::uint32_t(usual < BvhLeaf::kMaxTriangles ? BvhLeaf::kMaxDirect : BvhLeaf::kMaxTriangles);
+    constexpr std::size_t kComfortable = BvhLeaf::kMaxTriangles * 3 / 2;
+    std::vector<Vec3> positions = mesh.positions;
+    const auto before = [](const Vec3& a, const Vec3& b) { return std::memcmp(&a, &b, sizeof a) < 0; };
+    std::sort(positions.begin(), positions.end(), before);
+    const auto same = [](const Vec3& a, const Vec3& b) { return std::memcmp(&a, &b, sizeof a) == 0; };
+    const auto distinct = std::size_t(std::unique(positions.begin(), positions.end(), same) - positions.begin());
+    const bool all_fit = BvhLeaf::kMaxVertices * (mesh.indices.size() / 3) >= kComfortable * distinct;
+    return all_fit ? BvhLeaf::kMaxTriangles : BvhLeaf::kMaxDirect;
 }
 
 // Numbers equal vertices alike, in the order of their first use by `triangles`, and rewrites the mesh so.

@@ -12,7 +12,7 @@ namespace {
 using scene::PreparedMesh;
 
 // Bump when prepare_mesh's output changes for the same input.
-constexpr const char* kPrepareStep = "prepare_mesh 2";
+constexpr const char* kPrepareStep = "prepare_mesh 3";
 
 template <class T>
 void write_array(std::vector<std::byte>& to, const std::vector<T>& values) {
