@@ -1,0 +1,294 @@
+// Triangles into edge functions and a plane of 1/depth over a tile, a register of them at a time.
+//
+// Based on: Olano, Greer, "Triangle Scan Conversion using 2D Homogeneous Coordinates", HWWS 1997 (edge functions that
+// need no clipping; here only for edges near or behind the eye plane, where projected ones fail; the others are
+// projected first, because small distant triangles lose their shape in homogeneous cross products).
+//
+// No cracks: an edge function depends on its two vertices alone, changes its sign exactly with their order, and is
+// widened by its own rounding error. So whatever lies in the closed triangles of tile-space vertices is found; what
+// lies within that error of an edge is found twice, and depth decides.
+//
+// Compiled once per SIMD target; include after <hwy/highway.h>.
+#if defined(FF_BEAM_SETUP_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef FF_BEAM_SETUP_INL_H_
+#undef FF_BEAM_SETUP_INL_H_
+#else
+#define FF_BEAM_SETUP_INL_H_
+#endif
+
+#include <hwy/highway.h>
+
+#include <cstdint>
+
+#include "engine/farfield/beam_tile-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace ff::farfield::beam {
+namespace HWY_NAMESPACE {
+namespace {
+
+struct alignas(64) LeafScratch {
+    float x[32], y[32], iw[32];    // projected
+    float hx[32], hy[32], hw[32];  // homogeneous; filled only where a vertex cannot be projected
+    float a[3][16], b[3][16], c[3][16];
+    float gx[16], gy[16], g0[16];  // 1/depth as a plane over the tile
+    float low[16], high[16];       // its range over the triangle
+    float weight[3][16];           // edge function to (unnormalised) barycentric
+    std::int32_t x0[16], x1[16], y0[16], y1[16];
+};
+
+// table[index], index < 32, of which the first `count` entries are meant.
+HWY_INLINE VF lookup(const float* HWY_RESTRICT table, VI index, int count) {
+    if constexpr (kLanes == 8) {
+        const auto lane = hn::IndicesFromVec(f, hn::And(index, hn::Set(si, 7)));
+        const VF t0 = hn::TableLookupLanes(hn::Load(f, table), lane);
+        if (count <= 8) return t0;
+        const VF t1 = hn::TableLookupLanes(hn::Load(f, table + 8), lane);
+        // Index bits moved to the sign choose between the tables.
+        const MF bit3 = hn::MaskFromVec(hn::BitCast(f, hn::BroadcastSignBit(hn::ShiftLeft<28>(index))));
+        const VF low = hn::IfThenElse(bit3, t1, t0);
+        if (count <= 16) return low;
+        const VF t2 = hn::TableLookupLanes(hn::Load(f, table + 16), lane);
+        const VF t3 = hn::TableLookupLanes(hn::Load(f, table + 24), lane);
+        const MF bit4 = hn::MaskFromVec(hn::BitCast(f, hn::BroadcastSignBit(hn::ShiftLeft<27>(index))));
+        return hn::IfThenElse(bit4, hn::IfThenElse(bit3, t3, t2), low);
+    } else if constexpr (kLanes == 16) {
+        const auto lane = hn::IndicesFromVec(f, hn::And(index, hn::Set(si, 15)));
+        const VF low = hn::TableLookupLanes(hn::Load(f, table), lane);
+        if (count <= 16) return low;
+        const VF high = hn::TableLookupLanes(hn::Load(f, table + 16), lane);
+        return hn::IfThenElse(hn::RebindMask(f, hn::Gt(index, hn::Set(si, 15))), high, low);
+    } else {
+        return hn::GatherIndex(f, table, index);
+    }
+}
+
+// Fills the tile-space vertices; true when all of them could be projected.
+HWY_INLINE bool transform_vertices(const BvhLeaf& leaf, const Linear (&xyw)[3], LeafScratch& s) {
+    MF projected = hn::MaskFromVec(hn::BitCast(f, hn::Set(si, -1)));
+    const VF limit = hn::Set(f, kMaxProjected);
+    for (int v = 0; v < leaf.vertex_count; v += kLanes) {
+        const VF x = hn::Load(f, leaf.x + v), y = hn::Load(f, leaf.y + v), z = hn::Load(f, leaf.z + v);
+        const auto apply = [&](const Linear& l) {
+            return hn::MulAdd(hn::Set(f, l.x), x,
+                              hn::MulAdd(hn::Set(f, l.y), y, hn::MulAdd(hn::Set(f, l.z), z, hn::Set(f, l.c))));
+        };
+        const VF hx = apply(xyw[0]), hy = apply(xyw[1]), hw = apply(xyw[2]);
+        const VF iw = hn::Div(hn::Set(f, 1.0f), hw);
+        const VF px = hn::Mul(hx, iw), py = hn::Mul(hy, iw);
+        projected = hn::And(projected, hn::And(hn::Gt(hw, hn::Set(f, kMinW)),
+                                               hn::And(hn::Le(hn::Abs(px), limit), hn::Le(hn::Abs(py), limit))));
+        hn::Store(px, f, s.x + v);
+        hn::Store(py, f, s.y + v);
+        hn::Store(iw, f, s.iw + v);
+        hn::Store(hx, f, s.hx + v);
+        hn::Store(hy, f, s.hy + v);
+        hn::Store(hw, f, s.hw + v);
+    }
+    return hn::AllTrue(f, projected);
+}
+
+struct Corner {
+    VF x, y, iw;       // projected
+    VF hx, hy, hw;     // homogeneous
+    MF front, usable;  // in front of the eye plane; projected coordinates may be used
+};
+
+struct Edge {
+    VF a, b, c;  // a X + b Y + c
+    VF error;    // to be added to c
+};
+
+HWY_INLINE Edge projected_edge(const Corner& p, const Corner& q) {
+    const VF u = hn::Mul(p.x, q.y), v = hn::Mul(p.y, q.x);
+    Edge e{hn::Sub(p.y, q.y), hn::Sub(q.x, p.x), hn::Sub(u, v), hn::Zero(f)};
+    const VF terms =
+        hn::Add(hn::Add(hn::Abs(u), hn::Abs(v)), hn::Mul(hn::Add(hn::Abs(e.a), hn::Abs(e.b)), hn::Set(f, 8.0f)));
+    e.error = hn::Mul(terms, hn::Set(f, kEdgeError));
+    return e;
+}
+
+HWY_INLINE Edge homogeneous_edge(const Corner& p, const Corner& q) {
+    const VF a0 = hn::Mul(p.hy, q.hw), a1 = hn::Mul(p.hw, q.hy);
+    const VF b0 = hn::Mul(p.hw, q.hx), b1 = hn::Mul(p.hx, q.hw);
+    const VF c0 = hn::Mul(p.hx, q.hy), c1 = hn::Mul(p.hy, q.hx);
+    Edge e{hn::Sub(a0, a1), hn::Sub(b0, b1), hn::Sub(c0, c1), hn::Zero(f)};
+    const VF ab = hn::Add(hn::Add(hn::Abs(a0), hn::Abs(a1)), hn::Add(hn::Abs(b0), hn::Abs(b1)));
+    const VF terms = hn::MulAdd(ab, hn::Set(f, 8.0f), hn::Add(hn::Abs(c0), hn::Abs(c1)));
+    e.error = hn::Mul(terms, hn::Set(f, kEdgeError));
+    return e;
+}
+
+HWY_INLINE Edge choose(MF mask, const Edge& yes, const Edge& no) {
+    return {hn::IfThenElse(mask, yes.a, no.a), hn::IfThenElse(mask, yes.b, no.b), hn::IfThenElse(mask, yes.c, no.c),
+            hn::IfThenElse(mask, yes.error, no.error)};
+}
+
+HWY_INLINE VF min3(VF a, VF b, VF c) {
+    return hn::Min(a, hn::Min(b, c));
+}
+HWY_INLINE VF max3(VF a, VF b, VF c) {
+    return hn::Max(a, hn::Max(b, c));
+}
+
+// The farthest 1/depth that the tile still has in the quarters that bounds in pixels touch.
+HWY_INLINE VF farthest_under(VF x0, VF x1, VF y0, VF y1, const Tile& tile) {
+    const VF middle = hn::Set(f, 8.0f), none = hn::Set(f, kInf);
+    const MF left = hn::Lt(x0, middle), right = hn::Ge(x1, middle);
+    const auto of_row = [&](int quarter) {
+        return hn::Min(hn::IfThenElse(left, hn::Set(f, tile.quarter_best[quarter]), none),
+                       hn::IfThenElse(right, hn::Set(f, tile.quarter_best[quarter + 1]), none));
+    };
+    return hn::Min(hn::IfThenElse(hn::Lt(y0, middle), of_row(0), none),
+                   hn::IfThenElse(hn::Ge(y1, middle), of_row(2), none));
+}
+
+// Sets up kLanes triangles from `first` on; returns those that may win a pixel, as bits.
+// @tparam kProjected  every vertex of the leaf can be projected.
+// @tparam kDirect     the leaf's vertices lie as registers need them.
+template <bool kProjected, bool kDirect>
+HWY_NOINLINE std::uint32_t set_up(const BvhLeaf& leaf, int first, const Tile& tile, LeafScratch& s) {
+    const int count = leaf.vertex_count;
+    VI index[3];
+    Corner p[3];
+    const auto corner_of = [&](const float* table, int k) {
+        if constexpr (kDirect)
+            return hn::Load(f, table + k * BvhLeaf::kMaxDirect + first);
+        else
+            return lookup(table, index[k], count);
+    };
+    for (int k = 0; k < 3; ++k) {
+        if constexpr (!kDirect) {
+            const hn::Rebind<std::uint8_t, I> bytes;
+            index[k] = hn::PromoteTo(si, hn::LoadU(bytes, leaf.corner[k] + first));
+        }
+        p[k].x = corner_of(s.x, k);
+        p[k].y = corner_of(s.y, k);
+        p[k].iw = corner_of(s.iw, k);
+    }
+    const MF valid = hn::RebindMask(f, hn::Lt(hn::Iota(si, first), hn::Set(si, leaf.triangle_count)));
+
+    // Bounds in pixels; where a vertex lies behind the eye, all pixels.
+    const VF outwards = hn::Set(f, kHalf + kBoundsMargin), inwards = hn::Set(f, kHalf - kBoundsMargin);
+    VF x0 = hn::Ceil(hn::Add(min3(p[0].x, p[1].x, p[2].x), inwards));
+    VF x1 = hn::Floor(hn::Add(max3(p[0].x, p[1].x, p[2].x), outwards));
+    VF y0 = hn::Ceil(hn::Add(min3(p[0].y, p[1].y, p[2].y), inwards));
+    VF y1 = hn::Floor(hn::Add(max3(p[0].y, p[1].y, p[2].y), outwards));
+    VF low = min3(p[0].iw, p[1].iw, p[2].iw), high = max3(p[0].iw, p[1].iw, p[2].iw);
+    MF all_usable = valid, all_front = valid;
+    if constexpr (!kProjected) {
+        const VF limit = hn::Set(f, kMaxProjected);
+        MF any_front = hn::MaskFromVec(hn::Zero(f));
+        low = hn::Set(f, kNearestInverse);
+        for (int k = 0; k < 3; ++k) {
+            p[k].hx = corner_of(s.hx, k);
+            p[k].hy = corner_of(s.hy, k);
+            p[k].hw = corner_of(s.hw, k);
+            p[k].front = hn::Gt(p[k].hw, hn::Set(f, kMinW));
+            p[k].usable = hn::And(p[k].front, hn::And(hn::Le(hn::Abs(p[k].x), limit), hn::Le(hn::Abs(p[k].y), limit)));
+            all_usable = hn::And(all_usable, p[k].usable);
+            all_front = hn::And(all_front, p[k].front);
+            any_front = hn::Or(any_front, hn::Gt(p[k].hw, hn::Zero(f)));
+            low = hn::IfThenElse(p[k].front, hn::Min(low, p[k].iw), low);
+        }
+        const VF everywhere = hn::Set(f, 15.0f);
+        x0 = hn::IfThenElse(all_front, x0, hn::Zero(f));
+        y0 = hn::IfThenElse(all_front, y0, hn::Zero(f));
+        x1 = hn::IfThenElse(all_front, x1, everywhere);
+        y1 = hn::IfThenElse(all_front, y1, everywhere);
+        high = hn::IfThenElse(all_front, high, hn::Set(f, kNearestInverse));
+        if (hn::AllFalse(f, hn::And(valid, any_front))) return 0;
+    }
+    x0 = hn::Max(x0, hn::Set(f, tile.first_column));
+    x1 = hn::Min(x1, hn::Set(f, tile.last_column));
+    y0 = hn::Max(y0, hn::Set(f, tile.first_row));
+    y1 = hn::Min(y1, hn::Set(f, tile.last_row));
+    MF alive = hn::And(valid, hn::And(hn::Le(x0, x1), hn::Le(y0, y1)));
+    alive = hn::And(alive, hn::Ge(high, farthest_under(x0, x1, y0, y1, tile)));
+    if (hn::AllFalse(f, alive)) return 0;
+
+    // Edge k lies opposite of corner k.
+    Edge e[3];
+    VF area, scale[3];
+    const VF abx = hn::Sub(p[1].x, p[0].x), aby = hn::Sub(p[1].y, p[0].y);
+    const VF acx = hn::Sub(p[2].x, p[0].x), acy = hn::Sub(p[2].y, p[0].y);
+    area = hn::Sub(hn::Mul(abx, acy), hn::Mul(aby, acx));
+    for (int k = 0; k < 3; ++k) {
+        const Corner &q = p[(k + 1) % 3], &r = p[(k + 2) % 3];
+        e[k] = projected_edge(q, r);
+        scale[k] = p[k].iw;
+        if constexpr (!kProjected) {
+            const MF both = hn::And(q.usable, r.usable);
+            e[k] = choose(both, e[k], homogeneous_edge(q, r));
+            scale[k] =
+                hn::IfThenElse(all_usable, scale[k], hn::IfThenElse(both, hn::Mul(q.hw, r.hw), hn::Set(f, 1.0f)));
+        }
+    }
+    if constexpr (!kProjected) {
+        const VF det =
+            hn::MulAdd(p[0].hx, hn::Sub(hn::Mul(p[1].hy, p[2].hw), hn::Mul(p[1].hw, p[2].hy)),
+                       hn::MulAdd(p[0].hy, hn::Sub(hn::Mul(p[1].hw, p[2].hx), hn::Mul(p[1].hx, p[2].hw)),
+                                  hn::Mul(p[0].hw, hn::Sub(hn::Mul(p[1].hx, p[2].hy), hn::Mul(p[1].hy, p[2].hx)))));
+        area = hn::IfThenElse(all_usable, area, det);
+    }
+    alive = hn::And(alive, hn::Ne(area, hn::Zero(f)));
+
+    // Turn the triangle so that inside is positive; drop it where an edge leaves all its pixels outside. The corner of
+    // the bounds is tested with the very operations of the rows, which are monotonic: nothing is lost.
+    const VF sign = hn::And(area, hn::Set(f, -0.0f));
+    const VF half = hn::Set(f, kHalf);
+    const VF left = hn::Sub(x0, half), right = hn::Sub(x1, half), upper = hn::Sub(y0, half), lower = hn::Sub(y1, half);
+    VF plain_c[3];
+    for (int k = 0; k < 3; ++k) {
+        e[k].a = hn::Xor(e[k].a, sign);
+        e[k].b = hn::Xor(e[k].b, sign);
+        plain_c[k] = hn::Xor(e[k].c, sign);
+        e[k].c = hn::Add(plain_c[k], e[k].error);
+        const VF best_x = hn::IfThenElse(hn::Ge(e[k].a, hn::Zero(f)), right, left);
+        const VF best_y = hn::IfThenElse(hn::Ge(e[k].b, hn::Zero(f)), lower, upper);
+        const VF most = hn::MulAdd(e[k].a, best_x, hn::MulAdd(e[k].b, best_y, e[k].c));
+        alive = hn::And(alive, hn::Ge(most, hn::Zero(f)));
+    }
+    const std::uint32_t bits = bits_of(alive);
+    if (bits == 0) return 0;
+
+    // 1/depth is linear over the image.
+    const VF inverse_area = hn::Div(hn::Set(f, 1.0f), area);
+    const VF ab = hn::Sub(p[1].iw, p[0].iw), ac = hn::Sub(p[2].iw, p[0].iw);
+    VF gx = hn::Mul(hn::Sub(hn::Mul(ab, acy), hn::Mul(ac, aby)), inverse_area);
+    VF gy = hn::Mul(hn::Sub(hn::Mul(ac, abx), hn::Mul(ab, acx)), inverse_area);
+    VF g0 = hn::NegMulAdd(gx, p[0].x, hn::NegMulAdd(gy, p[0].y, p[0].iw));
+    if constexpr (!kProjected) {
+        const VF inverse = hn::Abs(inverse_area);
+        const auto blend = [&](VF u, VF v, VF w) {
+            return hn::Mul(inverse, hn::MulAdd(u, scale[0], hn::MulAdd(v, scale[1], hn::Mul(w, scale[2]))));
+        };
+        gx = hn::IfThenElse(all_usable, gx, blend(e[0].a, e[1].a, e[2].a));
+        gy = hn::IfThenElse(all_usable, gy, blend(e[0].b, e[1].b, e[2].b));
+        g0 = hn::IfThenElse(all_usable, g0, blend(plain_c[0], plain_c[1], plain_c[2]));
+    }
+
+    for (int k = 0; k < 3; ++k) {
+        hn::Store(e[k].a, f, s.a[k] + first);
+        hn::Store(e[k].b, f, s.b[k] + first);
+        hn::Store(e[k].c, f, s.c[k] + first);
+        hn::Store(scale[k], f, s.weight[k] + first);
+    }
+    hn::Store(gx, f, s.gx + first);
+    hn::Store(gy, f, s.gy + first);
+    hn::Store(g0, f, s.g0 + first);
+    hn::Store(low, f, s.low + first);
+    hn::Store(high, f, s.high + first);
+    hn::Store(hn::ConvertTo(si, x0), si, s.x0 + first);
+    hn::Store(hn::ConvertTo(si, x1), si, s.x1 + first);
+    hn::Store(hn::ConvertTo(si, y0), si, s.y0 + first);
+    hn::Store(hn::ConvertTo(si, y1), si, s.y1 + first);
+    return bits << first;
+}
+
+}  // namespace
+}  // namespace HWY_NAMESPACE
+}  // namespace ff::farfield::beam
+HWY_AFTER_NAMESPACE();
+
+#endif
