@@ -63,27 +63,30 @@ HWY_INLINE VF lookup(const float* HWY_RESTRICT table, VI index, int count) {
     }
 }
 
+// Stores a register of tile-space vertices from entry `at` on; true in lanes that could be projected.
+HWY_INLINE MF store_vertices(VF hx, VF hy, VF hw, LeafScratch& s, int at) {
+    const VF limit = hn::Set(f, kMaxProjected);
+    const VF iw = hn::Div(hn::Set(f, 1.0f), hw);
+    const VF px = hn::Mul(hx, iw), py = hn::Mul(hy, iw);
+    hn::StoreU(px, f, s.x + at);
+    hn::StoreU(py, f, s.y + at);
+    hn::StoreU(iw, f, s.iw + at);
+    hn::StoreU(hx, f, s.hx + at);
+    hn::StoreU(hy, f, s.hy + at);
+    hn::StoreU(hw, f, s.hw + at);
+    return hn::And(hn::Gt(hw, hn::Set(f, kMinW)), hn::And(hn::Le(hn::Abs(px), limit), hn::Le(hn::Abs(py), limit)));
+}
+
 // Fills the tile-space vertices; true when all of them could be projected.
 HWY_INLINE bool transform_vertices(const BvhLeaf& leaf, const Linear (&xyw)[3], LeafScratch& s) {
     MF projected = hn::MaskFromVec(hn::BitCast(f, hn::Set(si, -1)));
-    const VF limit = hn::Set(f, kMaxProjected);
     for (int v = 0; v < leaf.vertex_count; v += kLanes) {
         const VF x = hn::Load(f, leaf.x + v), y = hn::Load(f, leaf.y + v), z = hn::Load(f, leaf.z + v);
         const auto apply = [&](const Linear& l) {
             return hn::MulAdd(hn::Set(f, l.x), x,
                               hn::MulAdd(hn::Set(f, l.y), y, hn::MulAdd(hn::Set(f, l.z), z, hn::Set(f, l.c))));
         };
-        const VF hx = apply(xyw[0]), hy = apply(xyw[1]), hw = apply(xyw[2]);
-        const VF iw = hn::Div(hn::Set(f, 1.0f), hw);
-        const VF px = hn::Mul(hx, iw), py = hn::Mul(hy, iw);
-        projected = hn::And(projected, hn::And(hn::Gt(hw, hn::Set(f, kMinW)),
-                                               hn::And(hn::Le(hn::Abs(px), limit), hn::Le(hn::Abs(py), limit))));
-        hn::Store(px, f, s.x + v);
-        hn::Store(py, f, s.y + v);
-        hn::Store(iw, f, s.iw + v);
-        hn::Store(hx, f, s.hx + v);
-        hn::Store(hy, f, s.hy + v);
-        hn::Store(hw, f, s.hw + v);
+        projected = hn::And(projected, store_vertices(apply(xyw[0]), apply(xyw[1]), apply(xyw[2]), s, v));
     }
     return hn::AllTrue(f, projected);
 }

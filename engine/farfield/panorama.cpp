@@ -40,6 +40,8 @@ Panorama::Panorama(const PanoramaSettings& settings) : state_(std::make_unique<S
              size);
     FF_CHECK(settings.edge_contrast >= 0 && settings.edge_contrast <= 255, "edge contrast {}; [0, 255]",
              settings.edge_contrast);
+    FF_CHECK(settings.strong_contrast >= 0 && settings.strong_contrast <= 255, "strong contrast {}; [0, 255]",
+             settings.strong_contrast);
     State& s = *state_;
     s.settings = settings;
     s.map.size = size;
@@ -180,24 +182,23 @@ void Panorama::State::refresh_changed() {
     parallel_ranges(changed.size(), 8, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) refresh_tile(changed[i]);
     });
-    // A quad reaches one texel to the right and below, so the tiles left and above have to follow.
-    const auto side = std::uint32_t(map.tiles_side);
+    // Quads look a little beyond their tile, so all tiles around have to follow.
+    const int side = map.tiles_side;
     ++stamp;
     dirty.clear();
     for (const std::uint32_t tile : changed) {
-        const bool left = tile % side != 0, above = tile / side % side != 0;
-        mark(tile, dirty);
-        if (left) mark(tile - 1, dirty);
-        if (above) mark(tile - side, dirty);
-        if (left && above) mark(tile - side - 1, dirty);
+        const int x = int(tile) % side, row = int(tile) / side, face_row = row / side * side;
+        for (int j = std::max(row - 1, face_row); j <= std::min(row + 1, face_row + side - 1); ++j)
+            for (int i = std::max(x - 1, 0); i <= std::min(x + 1, side - 1); ++i)
+                mark(std::uint32_t(j * side + i), dirty);
     }
     // Neighbours take turns: a tile's quads read its neighbours' colours.
-    for (std::uint32_t turn = 0; turn < 4; ++turn)
+    const panorama::ContrastLimits contrast{settings.edge_contrast, settings.strong_contrast};
+    for (int turn = 0; turn < 4; ++turn)
         parallel_ranges(dirty.size(), 16, [&](std::size_t begin, std::size_t end) {
             for (std::size_t i = begin; i < end; ++i) {
-                const std::uint32_t x = dirty[i] % side, row = dirty[i] / side;
-                if ((x & 1) + 2 * (row & 1) == turn)
-                    panorama::update_quads(map, int(x), int(row), settings.edge_contrast);
+                const int x = int(dirty[i]) % side, row = int(dirty[i]) / side;
+                if ((x & 1) + 2 * (row & 1) == turn) panorama::update_quads(map, x, row, contrast);
             }
         });
     changed.clear();

@@ -27,9 +27,11 @@
 #include <span>
 #include <vector>
 
+#include "engine/farfield/pixel_mask.h"
 #include "engine/farfield/visibility_buffer.h"
 #include "engine/math/bounds.h"
 #include "engine/math/camera.h"
+#include "engine/scene/static_scene.h"
 
 namespace ff::farfield {
 
@@ -39,10 +41,12 @@ enum class ConfidenceMeasure {
     distance,  ///< P0: metres that the viewer moved since
 };
 
-/// What happens at pixels whose 2 x 2 texels show different things in visibly different colours.
+/// What happens at pixels whose 2 x 2 texels show different things in visibly different colours, or that have strong
+/// contrast nearby.
 enum class EdgeRule {
-    blend,  ///< mixed like any other: soft silhouettes, no rays
-    cast,   ///< a ray of the pixel's own, budget permitting
+    blend,   ///< mixed like any other: soft silhouettes, no rays
+    cast,    ///< a ray of the pixel's own, budget permitting
+    verify,  ///< cast, but where the four show just two things these are left for verify_edges
 };
 
 struct PanoramaSettings {
@@ -51,6 +55,9 @@ struct PanoramaSettings {
     int face_size = 1040;
     double record_distance_m = 1e-3;  ///< moves shorter than this go on with the same confidence record
     int edge_contrast = 24;           ///< of 255: difference between neighbours below which blending is not seen
+    /// Of 255: where the 4 x 4 texels around differ by more, the pixel is cast whatever its own four show. What falls
+    /// between texels, a hole in foliage, is seldom alone, and a missed one would be as bright.
+    int strong_contrast = 128;
 };
 
 struct PanoramaLimits {
@@ -118,6 +125,14 @@ class Panorama {
     ///                 there is an old value the target holds it already
     PanoramaStats lookup(const PinholeView& view, std::span<const TileRequest> wanted, const PanoramaLimits& limits,
                          const PanoramaTarget& target, std::vector<TileRequest>& to_cast);
+
+    /// Settles the edges that the last lookup left aside (EdgeRule::verify): what the four texels around such a pixel
+    /// show is intersected by the pixel's own ray, and the nearest goes to `out`, to be shaded. Pixels that none of
+    /// them covers look past all of them: they get the colour of the farthest texel.
+    /// @param view, target  as for the lookup
+    /// @param verified      set where `out` was written
+    void verify_edges(const scene::StaticScene& scene, const PinholeView& view, const PanoramaTarget& target,
+                      VisibilityBuffer& out, PixelMask& verified);
 
     /// Enters pixels that were cast and shaded for the screen.
     void store(const PinholeView& view, std::span<const TileRequest> tiles, const VisibilityBuffer& visibility,

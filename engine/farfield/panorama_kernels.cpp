@@ -100,6 +100,13 @@ HWY_INLINE VI bins_of(VF value) {
     return hn::Min(hn::Max(bin, hn::Set(di, kClassFirstStale)), hn::Set(di, kClassLastStale));
 }
 
+HWY_INLINE VI class_of_quad(VI quad) {
+    const DI di;
+    const auto is = [&](std::uint32_t state) { return hn::Eq(quad, hn::Set(di, int(state))); };
+    return hn::Or(hn::IfThenElseZero(is(kQuadEdge), hn::Set(di, kClassEdge)),
+                  hn::IfThenElseZero(is(kQuadNoise), hn::Set(di, kClassNoise)));
+}
+
 /// Where each pixel of a tile falls on the map.
 /// @tparam kOneFace  all pixels lie on `face`
 template <bool kOneFace>
@@ -248,8 +255,7 @@ void resolve(const LookupJob& job, const TileRequest& tile, std::uint32_t record
 
                 const auto never = hn::Eq(near_record, hn::Set(di, int(kNeverTraced)));
                 const auto stale = hn::RebindMask(di, hn::Gt(measure, hn::Set(df, job.limit)));
-                const auto edge = hn::And(use_quad, hn::Eq(quad, hn::Set(di, int(kQuadEdge))));
-                VI classes = hn::IfThenElseZero(edge, hn::Set(di, kClassEdge));
+                VI classes = hn::IfThenElseZero(use_quad, class_of_quad(quad));
                 classes = hn::IfThenElse(stale, bins_of(measure), classes);
                 classes = hn::IfThenElse(never, hn::Set(di, kClassNever), classes);
                 hn::StoreU(hn::DemoteTo(d8, classes), d8, out.classes.data() + pixel);
@@ -261,7 +267,7 @@ void resolve(const LookupJob& job, const TileRequest& tile, std::uint32_t record
             } else {
                 const auto smooth = hn::Eq(quad, hn::Set(di, int(kQuadSmooth)));
                 if (!hn::AllTrue(di, smooth)) {
-                    const VI classes = hn::IfThenZeroElse(smooth, hn::Set(di, kClassEdge));
+                    const VI classes = class_of_quad(quad);
                     hn::StoreU(hn::DemoteTo(d8, classes), d8, out.classes.data() + pixel);
                     out.any = true;
                 }
@@ -321,11 +327,22 @@ void LookupTile(const LookupJob& job, const TileRequest& tile, TileClasses& out)
     }
 }
 
-void UpdateQuads(PanoramaMap& map, int tile_x, int tile_row, int edge_contrast) {
+void FindQuads(const LookupJob& job, const TileRequest& tile, std::int32_t* quads) {
+    TileSamples samples;
+    const TileFootprint footprint = footprint_of(*job.map, *job.view, tile);
+    if (footprint.face < 0)
+        project<false>(job, tile, 0, samples);
+    else
+        project<true>(job, tile, footprint.face, samples);
+    std::memcpy(quads, samples.quad, sizeof samples.quad);
+}
+
+void UpdateQuads(PanoramaMap& map, int tile_x, int tile_row, const ContrastLimits& contrast) {
     const DU du;
     const DU8 d8;
     const hn::Rebind<std::uint16_t, DU> d16;
-    const auto limit = hn::Set(d8, std::uint8_t(edge_contrast));
+    const auto limit = hn::Set(d8, std::uint8_t(contrast.edge)),
+               strong_limit = hn::Set(d8, std::uint8_t(contrast.strong));
     const auto rgb = hn::Set(du, 0x00FFFFFFu);
     const std::size_t down = std::size_t(map.size);
     const int last = map.size - 1;
@@ -344,14 +361,41 @@ void UpdateQuads(PanoramaMap& map, int tile_x, int tile_row, int edge_contrast) 
             const auto over = hn::BitCast(du, hn::SaturatedSub(spread, limit));
             const auto visible = hn::Ne(hn::And(over, rgb), hn::Zero(du));
 
-            const auto all_equal = [&](const std::uint32_t* ids) {
-                const VU own = hn::LoadU(du, ids);
-                return hn::And(
-                    hn::Eq(own, hn::LoadU(du, ids + 1)),
-                    hn::And(hn::Eq(own, hn::LoadU(du, ids + down)), hn::Eq(own, hn::LoadU(du, ids + down + 1))));
-            };
-            const auto same =
-                hn::And(all_equal(map.visibility.instance.data() + at), all_equal(map.visibility.triangle.data() + at));
+            // Great contrast nearby: what lies between the texels, a hole in foliage, may be as bright.
+            auto high = hn::Max(hn::Max(b00, b01), hn::Max(b10, b11)),
+                 low = hn::Min(hn::Min(b00, b01), hn::Min(b10, b11));
+            const int first_row = row % map.size == 0 ? 0 : -1;
+            for (int r = first_row; r < 3; ++r)
+                for (int c = (x == 0 ? 0 : -1); c < 3; ++c) {
+                    const auto b = hn::BitCast(d8, hn::LoadU(du, colors + r * std::ptrdiff_t(down) + c));
+                    high = hn::Max(high, b);
+                    low = hn::Min(low, b);
+                }
+            const auto strongly = hn::BitCast(du, hn::SaturatedSub(hn::Sub(high, low), strong_limit));
+            const auto strong = hn::Ne(hn::And(strongly, rgb), hn::Zero(du));
+
+            // What the four show: at most two things where each is as the first or as the first that differs from it.
+            const std::uint32_t* instances = map.visibility.instance.data() + at;
+            const std::uint32_t* triangles = map.visibility.triangle.data() + at;
+            const std::size_t others[3] = {1, down, down + 1};
+            const VU instance = hn::LoadU(du, instances), triangle = hn::LoadU(du, triangles);
+            auto same = hn::Eq(instance, instance);
+            decltype(same) is_first[3];
+            VU second_instance = instance, second_triangle = triangle;
+            for (int k = 0; k < 3; ++k) {
+                const VU i_k = hn::LoadU(du, instances + others[k]), t_k = hn::LoadU(du, triangles + others[k]);
+                is_first[k] = hn::And(hn::Eq(i_k, instance), hn::Eq(t_k, triangle));
+                const auto is_second = hn::AndNot(is_first[k], same);
+                second_instance = hn::IfThenElse(is_second, i_k, second_instance);
+                second_triangle = hn::IfThenElse(is_second, t_k, second_triangle);
+                same = hn::And(same, is_first[k]);
+            }
+            auto two = hn::Eq(instance, instance);
+            for (int k = 0; k < 3; ++k) {
+                const VU i_k = hn::LoadU(du, instances + others[k]), t_k = hn::LoadU(du, triangles + others[k]);
+                const auto is_second = hn::And(hn::Eq(i_k, second_instance), hn::Eq(t_k, second_triangle));
+                two = hn::And(two, hn::Or(is_first[k], is_second));
+            }
 
             const auto traced = [&](std::size_t offset) {
                 return hn::Ne(hn::PromoteTo(du, hn::LoadU(d16, map.records.data() + at + offset)), hn::Zero(du));
@@ -362,8 +406,10 @@ void UpdateQuads(PanoramaMap& map, int tile_x, int tile_row, int edge_contrast) 
             complete = hn::And(complete, hn::Ne(columns, hn::Set(du, std::uint32_t(last))));
             if (row % map.size == last) complete = hn::Ne(columns, columns);
 
+            const VU differing =
+                hn::IfThenElse(hn::AndNot(strong, two), hn::Set(du, kQuadEdge << 24), hn::Set(du, kQuadNoise << 24));
             const VU agreeing =
-                hn::IfThenElse(hn::AndNot(same, visible), hn::Set(du, kQuadEdge << 24), hn::Set(du, kQuadSmooth << 24));
+                hn::IfThenElse(hn::Or(strong, hn::AndNot(same, visible)), differing, hn::Set(du, kQuadSmooth << 24));
             hn::StoreU(hn::Or(hn::And(c00, rgb), hn::IfThenElseZero(complete, agreeing)), du, colors);
         }
     }
@@ -414,13 +460,17 @@ void fetch(const LookupJob& job, const TileRequest& tile, bool check, TileSample
 }
 
 HWY_EXPORT(LookupTile);
+HWY_EXPORT(FindQuads);
 HWY_EXPORT(UpdateQuads);
 
 void lookup_tile(const LookupJob& job, const TileRequest& tile, TileClasses& out) {
     HWY_DYNAMIC_DISPATCH(LookupTile)(job, tile, out);
 }
-void update_quads(PanoramaMap& map, int tile_x, int tile_row, int edge_contrast) {
-    HWY_DYNAMIC_DISPATCH(UpdateQuads)(map, tile_x, tile_row, edge_contrast);
+void find_quads(const LookupJob& job, const TileRequest& tile, std::span<std::int32_t, kTileSize * kTileSize> quads) {
+    HWY_DYNAMIC_DISPATCH(FindQuads)(job, tile, quads.data());
+}
+void update_quads(PanoramaMap& map, int tile_x, int tile_row, const ContrastLimits& contrast) {
+    HWY_DYNAMIC_DISPATCH(UpdateQuads)(map, tile_x, tile_row, contrast);
 }
 
 float bin_upper_end(std::uint8_t bin) {

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 
 #include "engine/farfield/panorama_map.h"
 
@@ -11,7 +12,8 @@ namespace ff::farfield::panorama {
 /// Why a pixel might be cast, worst highest. Between kClassFirstStale and kClassLastStale: bins of parallax or metres.
 inline constexpr std::uint8_t kClassGood = 0;
 inline constexpr std::uint8_t kClassEdge = 1;
-inline constexpr std::uint8_t kClassFirstStale = 2;
+inline constexpr std::uint8_t kClassNoise = 2;
+inline constexpr std::uint8_t kClassFirstStale = 3;
 inline constexpr std::uint8_t kClassLastStale = 254;
 inline constexpr std::uint8_t kClassNever = 255;
 
@@ -58,7 +60,16 @@ struct TileFootprint {
 /// Writes what the map knows of the wanted pixels to the target, and sorts them into classes.
 void lookup_tile(const LookupJob& job, const TileRequest& tile, TileClasses& out);
 
-/// Computes the quad states (alpha bytes) of one tile of texels. Reads its right and lower neighbours.
-void update_quads(PanoramaMap& map, int tile_x, int tile_row, int edge_contrast);
+/// The upper left of the four texels around each pixel of a tile, as indices into the map; valid in rows asked for.
+void find_quads(const LookupJob& job, const TileRequest& tile, std::span<std::int32_t, kTileSize * kTileSize> quads);
+
+/// Of 255, in any channel; see PanoramaSettings.
+struct ContrastLimits {
+    int edge = 0, strong = 0;
+};
+
+/// Computes the quad states (alpha bytes) of one tile of texels. Reads a texel to the left and above, two to the right
+/// and below.
+void update_quads(PanoramaMap& map, int tile_x, int tile_row, const ContrastLimits& contrast);
 
 }  // namespace ff::farfield::panorama

@@ -25,7 +25,9 @@ struct Selection {
 };
 
 Selection choose(const Histogram& classes, std::uint64_t budget, EdgeRule edges) {
-    const int lowest = edges == EdgeRule::cast ? panorama::kClassEdge : panorama::kClassFirstStale;
+    const int lowest = edges == EdgeRule::cast     ? panorama::kClassEdge
+                       : edges == EdgeRule::verify ? panorama::kClassNoise
+                                                   : panorama::kClassFirstStale;
     Selection selection;
     for (int c = 255; c >= lowest; --c) {
         const std::uint64_t count = classes[std::size_t(c)];
@@ -99,8 +101,11 @@ PanoramaStats Panorama::lookup(const PinholeView& view, std::span<const TileRequ
             before += tile.classes[std::size_t(j * kTileSize + i)] == selection.threshold;
         });
     }
-    if (to_cast.capacity() < wanted.size()) to_cast.reserve(wanted.size());
-    to_cast.resize(wanted.size());
+    const bool verify = limits.edges == EdgeRule::verify;
+    for (std::vector<TileRequest>* list : {&to_cast, &s.edges}) {
+        if (list->capacity() < wanted.size()) list->reserve(wanted.size());
+        list->resize(wanted.size());
+    }
     parallel_ranges(wanted.size(), kTilesPerTask, [&](std::size_t begin, std::size_t end) {
         Histogram& reused_parallax = s.task_parallax[begin / kTilesPerTask];
         Histogram& counts = s.task_classes[begin / kTilesPerTask];
@@ -108,8 +113,8 @@ PanoramaStats Panorama::lookup(const PinholeView& view, std::span<const TileRequ
         counts.fill(0);
         for (std::size_t t = begin; t < end; ++t) {
             const TileClasses& tile = s.classes[t];
-            TileRequest& cast = to_cast[t];
-            cast = {wanted[t].x, wanted[t].y, {}};
+            TileRequest &cast = to_cast[t], &edges = s.edges[t];
+            cast = edges = {wanted[t].x, wanted[t].y, {}};
             if (!tile.any && !tile.checked) {
                 const std::uint64_t count = count_wanted(wanted[t]);
                 counts[panorama::kClassGood] += count;
@@ -125,14 +130,16 @@ PanoramaStats Panorama::lookup(const PinholeView& view, std::span<const TileRequ
                 if (chosen) {
                     cast.rows[j] = std::uint16_t(cast.rows[j] | 1u << i);
                     ++counts[kCastCount];
-                    counts[kCastEdgeCount] += c == panorama::kClassEdge;
+                    counts[kCastEdgeCount] += c < panorama::kClassFirstStale;
                     return;
                 }
                 if (c == panorama::kClassNever) {
                     ++counts[kUnansweredCount];
                     return;
                 }
-                ++counts[c <= panorama::kClassEdge ? panorama::kClassGood : kStaleCount];
+                if (verify && (c == panorama::kClassEdge || c == panorama::kClassNoise))
+                    edges.rows[j] = std::uint16_t(edges.rows[j] | 1u << i);
+                ++counts[c < panorama::kClassFirstStale ? panorama::kClassGood : kStaleCount];
                 ++reused_parallax[tile.checked ? tile.parallax[at] : tile.tile_parallax];
             });
         }
@@ -157,11 +164,12 @@ PanoramaStats Panorama::lookup(const PinholeView& view, std::span<const TileRequ
         seen += parallax[b];
         stats.parallax_max_px = panorama::bin_upper_end(std::uint8_t(b));
     }
-    std::erase_if(to_cast, [](const TileRequest& tile) {
-        std::uint32_t any = 0;
-        for (const std::uint16_t row : tile.rows) any |= row;
-        return any == 0;
-    });
+    for (std::vector<TileRequest>* list : {&to_cast, &s.edges})
+        std::erase_if(*list, [](const TileRequest& tile) {
+            std::uint32_t any = 0;
+            for (const std::uint16_t row : tile.rows) any |= row;
+            return any == 0;
+        });
     return stats;
 }
 

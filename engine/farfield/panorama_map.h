@@ -17,8 +17,10 @@ inline constexpr std::uint16_t kNeverTraced = 0;  ///< P0's lowest-confidence re
 inline constexpr std::uint16_t kMixedRecords = 0xFFFFu;
 
 /// State of the 2 x 2 texels right of and below a texel, in the alpha byte of its colour.
-inline constexpr std::uint32_t kQuadHoles = 0;   ///< not all four were ever cast
-inline constexpr std::uint32_t kQuadEdge = 128;  ///< different things in different colours
+inline constexpr std::uint32_t kQuadHoles = 0;  ///< not all four were ever cast
+inline constexpr std::uint32_t kQuadNoise =
+    64;  ///< more than two things in different colours, or strong contrast nearby
+inline constexpr std::uint32_t kQuadEdge = 128;  ///< two things in different colours
 inline constexpr std::uint32_t kQuadSmooth = 255;
 
 /// P0 Figure 6.

@@ -37,6 +37,8 @@ struct Panorama::State {
     std::vector<panorama::TileClasses> classes;  ///< per wanted tile
     std::vector<std::uint32_t> at_threshold;     ///< per wanted tile: pixels of the class that is cast in part
 
+    std::vector<TileRequest> edges;  ///< pixels left aside for verify_edges
+
     std::vector<PixelHistogram> task_classes, task_parallax;  ///< per parallel task
 
     // Texel tiles whose contents changed.

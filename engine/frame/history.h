@@ -24,6 +24,7 @@ namespace ff::frame {
 /// Pixels of the last frame by how they came to be, for counts and debug views.
 struct SourceMasks {
     farfield::PixelMask near_field, sky, panorama, cast, dynamic;
+    farfield::PixelMask verified;  ///< of the panorama's: seen by the pixel's own ray, to be shaded
 };
 
 struct FrameHistory {
@@ -39,6 +40,7 @@ struct FrameHistory {
     SourceMasks sources;
     std::vector<farfield::TileRequest> wanted;    ///< scratch: what neither near field nor horizon answers
     std::vector<farfield::TileRequest> requests;  ///< scratch: what is to be cast
+    farfield::PixelMask coloured;                 ///< scratch: what needs no shading
     std::vector<farfield::TileRequest> to_shade;  ///< scratch: what no cached colour answers
     std::vector<farfield::TileRequest> to_store;  ///< scratch: what the panorama may remember
     std::vector<farfield::TileRequest> all_tiles;

@@ -165,7 +165,8 @@ farfield::Panorama& begin_panorama(const FramePlan& plan, FrameHistory& history)
 void look_up_panorama(const FramePlan& plan, const Tools& tools, FrameHistory& history, shading::Image& image,
                       FrameStats& stats) {
     farfield::Panorama& panorama = *history.panorama;
-    farfield::PanoramaLimits limits{.max_parallax_px = plan.max_parallax_px, .ray_budget = plan.ray_budget};
+    farfield::PanoramaLimits limits{
+        .max_parallax_px = plan.max_parallax_px, .edges = farfield::EdgeRule::verify, .ray_budget = plan.ray_budget};
     if (plan.fill_panorama) {
         {
             const TimedPass timed(stats, Pass::panorama);
@@ -199,6 +200,7 @@ void look_up_panorama(const FramePlan& plan, const Tools& tools, FrameHistory& h
     stats.pixels.stale = found.stale + found.unanswered;
     stats.parallax_p99_px = found.parallax_p99_px;
     stats.parallax_max_px = found.parallax_max_px;
+    panorama.verify_edges(tools.scene, plan.view, target, history.visibility, history.sources.verified);
 }
 
 }  // namespace
@@ -225,7 +227,8 @@ FrameStats run_passes(const FramePlan& plan, const Tools& tools, FrameHistory& h
     FrameStats stats;
     farfield::VisibilityBuffer& visibility = history.visibility;
     SourceMasks& sources = history.sources;
-    for (PixelMask* mask : {&sources.near_field, &sources.sky, &sources.panorama, &sources.cast, &sources.dynamic})
+    for (PixelMask* mask :
+         {&sources.near_field, &sources.sky, &sources.panorama, &sources.cast, &sources.dynamic, &sources.verified})
         mask->reset(plan.view.width, plan.view.height);
 
     if (plan.mode == Mode::raster || plan.mode == Mode::near) {
@@ -295,8 +298,11 @@ FrameStats run_passes(const FramePlan& plan, const Tools& tools, FrameHistory& h
     // Shading: each pixel once, whoever found it.
     {
         const TimedPass timed(stats, Pass::shade);
-        const PixelMask* const coloured[] = {&sources.panorama};
-        collect_requests(history.all_tiles, coloured, history.to_shade);
+        PixelMask& coloured = history.coloured;
+        coloured = sources.panorama;
+        remove(sources.verified, coloured);
+        const PixelMask* const done[] = {&coloured};
+        collect_requests(history.all_tiles, done, history.to_shade);
         stats.shaded_pixels += shading::shade_tiles(tools.scene, plan.dynamic, plan.view, visibility, history.to_shade,
                                                     shade_settings(plan), image);
     }
