@@ -126,7 +126,7 @@ json report_of(const ModeRun& run, std::size_t frames, int laps) {
     for (const double t : times) mean += t / double(times.size());
 
     frame::PixelCounts pixels;
-    double rays = 0, near_triangles = 0, shaded = 0, near_m = 0, stale = 0;
+    double rays = 0, near_triangles = 0, near_draws = 0, shaded = 0, near_m = 0, stale = 0;
     double parallax_p99 = 0, parallax_max = 0;
     for (const frame::FrameStats& stats : run.stats) {
         pixels.near_field += stats.pixels.near_field;
@@ -137,6 +137,7 @@ json report_of(const ModeRun& run, std::size_t frames, int laps) {
         stale += double(stats.pixels.stale);
         rays += double(stats.rays);
         near_triangles += double(stats.near_triangles);
+        near_draws += double(stats.near_draws);
         shaded += double(stats.shaded_pixels);
         near_m += stats.near_m;
         parallax_p99 = std::max(parallax_p99, double(stats.parallax_p99_px));
@@ -165,6 +166,7 @@ json report_of(const ModeRun& run, std::size_t frames, int laps) {
             {"rays_per_frame", rays / n},
             {"shaded_pixels_per_frame", shaded / n},
             {"near_triangles_per_frame", near_triangles / n},
+            {"near_draws_per_frame", near_draws / n},
             {"near_m_mean", std::isfinite(near_m) ? json(near_m / n) : json(nullptr)},
             {"error",
              {{"psnr_db_mean", run.psnr_sum / n},
@@ -222,6 +224,9 @@ Status run_bench(const BenchOptions& options) {
           {"height", options.view.size.height},
           {"budget_ms", settings.budget_ms},
           {"max_parallax_px", settings.max_parallax_px},
+          {"near_m", settings.fixed_near_m ? json(*settings.fixed_near_m) : json(nullptr)},
+          {"prelit_beyond_m", std::isfinite(settings.prelit_beyond_m) ? json(settings.prelit_beyond_m) : json(nullptr)},
+          {"occlusion", options.view.use_occlusion},
           {"deterministic", settings.deterministic},
           {"frame_ms", "a frame's time is its median over the laps"}}},
         {"open_seconds", open_seconds},
