@@ -247,8 +247,7 @@ Status NearRenderer::render_ids(const PinholeView& view, const DrawSet& set, far
     r.begin(r.ids_target, view);
     const GLuint nothing[4] = {farfield::kUnresolved, 0, 0, 0};
     glClearNamedFramebufferuiv(r.ids_target.id(), GL_COLOR, 0, nothing);
-    if (r.split.pays(r.scene, set, r.occlusion)) {
-        r.split.choose_occluders(r.scene, set, view.position);
+    if (r.split.split(r.scene, set, view.position, r.occlusion)) {
         r.draw_ids(view, {.instances = r.split.first(), .dynamic = set.dynamic}, stats);
         r.read_depths(view);
         r.occlusion_buffer.build(view, r.depth_pixels, kNearPlaneM);

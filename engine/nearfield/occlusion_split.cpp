@@ -10,9 +10,9 @@ const scene::Instance& instance_of(const scene::StaticScene& scene, const DrawSe
 }
 
 /// An occluder is at least so large for its distance; smaller ones hide little.
-constexpr double kOccluderSize = 0.25;
+constexpr double kOccluderSize = 0.5;
 /// All occluders together take at most this share of the set's triangles.
-constexpr double kOccluderShare = 0.25;
+constexpr double kOccluderShare = 0.15;
 
 }  // namespace
 
@@ -33,6 +33,14 @@ bool OcclusionSplit::pays(const scene::StaticScene& scene, const DrawSet& set, c
     if (set_triangles_ >= 2 * settings.price_triangles) return true;
     set_triangles_ = 0;
     return false;
+}
+
+bool OcclusionSplit::split(const scene::StaticScene& scene, const DrawSet& set, const WorldPos& camera,
+                           const OcclusionSettings& settings) {
+    if (!pays(scene, set, settings)) return false;
+    choose_occluders(scene, set, camera);
+    hidden_triangles_ = 0;
+    return !first_.empty() && !rest_.empty();
 }
 
 void OcclusionSplit::choose_occluders(const scene::StaticScene& scene, const DrawSet& set, const WorldPos& camera) {

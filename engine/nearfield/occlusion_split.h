@@ -20,11 +20,11 @@ struct OcclusionSettings {
 
 class OcclusionSplit {
   public:
-    /// Whether this set is to be split, by its size and by what the last splits saved.
-    [[nodiscard]] bool pays(const scene::StaticScene& scene, const DrawSet& set, const OcclusionSettings& settings);
-
-    /// Puts in first() the instances that look big for their triangles, in the order of the set, and the rest aside.
-    void choose_occluders(const scene::StaticScene& scene, const DrawSet& set, const WorldPos& camera);
+    /// Decides whether splitting this set pays, by its size and by what the last splits saved; if so puts in first()
+    /// the instances that look big for their triangles, in the order of the set, and the rest aside.
+    /// @return whether there is something to draw first and something to test
+    [[nodiscard]] bool split(const scene::StaticScene& scene, const DrawSet& set, const WorldPos& camera,
+                             const OcclusionSettings& settings);
 
     /// Tests the rest against what first() left in the buffer. Whole cells first, so that a hidden cell is one test.
     void test_rest(const scene::StaticScene& scene, const DrawSet& set, const visibility::OcclusionBuffer& buffer);
@@ -35,6 +35,9 @@ class OcclusionSplit {
     [[nodiscard]] std::uint64_t hidden_triangles() const { return hidden_triangles_; }
 
   private:
+    [[nodiscard]] bool pays(const scene::StaticScene& scene, const DrawSet& set, const OcclusionSettings& settings);
+    void choose_occluders(const scene::StaticScene& scene, const DrawSet& set, const WorldPos& camera);
+
     static constexpr int kPauseFrames = 15;  ///< after a split that did not pay
 
     std::uint64_t set_triangles_ = 0, hidden_triangles_ = 0;
