@@ -20,6 +20,7 @@ namespace ff::nearfield {
 namespace {
 
 enum UniformBinding : GLuint { kViewBinding = 0, kShadingBinding = 1, kMaterialBinding = 2 };
+constexpr GLuint kTriangleNamesBinding = 0;  // of the storage buffers
 enum TextureUnit : GLuint {
     kBaseColorUnit = 0,
     kEmissiveUnit = 1,
@@ -60,7 +61,7 @@ struct NearRenderer::Impl {
     const scene::StaticScene& scene;
     GpuScene gpu;
     MaterialPrograms materials;
-    gl::Program opaque_ids, see_through_ids, sky_program;
+    gl::Program opaque_ids, masked_ids, blended_ids, sky_program;
     gl::Texture white, sky;
     std::vector<gl::Object<delete_sampler>> nearest_samplers;  // by wrap_u * 3 + wrap_v
     VertexInput vertex_input;
@@ -213,8 +214,9 @@ Result<NearRenderer> NearRenderer::make(const scene::StaticScene& scene) {
     FF_ASSIGN(impl->gpu, upload_scene(scene));
     FF_ASSIGN(impl->materials, make_shaded_programs(scene, impl->gpu.has_vertex_colors));
     FF_ASSIGN(impl->opaque_ids, gl::Program::make("near_ids.vert.glsl", "near_ids.frag.glsl"));
-    FF_ASSIGN(impl->see_through_ids,
-              gl::Program::make("near_ids.vert.glsl", "near_ids.frag.glsl", "#define SEE_THROUGH\n"));
+    FF_ASSIGN(impl->masked_ids, gl::Program::make("near_ids.vert.glsl", "near_ids.frag.glsl", "#define SEE_THROUGH\n"));
+    FF_ASSIGN(impl->blended_ids, gl::Program::make("near_ids.vert.glsl", "near_ids.frag.glsl",
+                                                   "#define SEE_THROUGH\n#define BLENDED\n", "near_ids.geom.glsl"));
     FF_ASSIGN(impl->sky_program, gl::Program::make("sky.vert.glsl", "sky.frag.glsl"));
     FF_ASSIGN(impl->white, make_white_texture());
     FF_ASSIGN(impl->sky, upload_sky(scene.environment));
@@ -267,10 +269,15 @@ Status NearRenderer::render_ids(const PinholeView& view, const DrawSet& set, far
 void NearRenderer::Impl::draw_ids(const PinholeView& view, const DrawSet& set, NearStats& stats) {
     make_id_draw_list(scene, gpu.layout, set, view.position, list);
     begin_list();
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kTriangleNamesBinding, gpu.triangle_names.id());
     for (const DrawBatch& batch : list.batches) {
-        const bool opaque = batch.material == DrawBatch::kAnyOpaque;
-        glUseProgram(opaque ? opaque_ids.id() : see_through_ids.id());
-        if (!opaque) bind_material(batch.material);
+        if (batch.material == DrawBatch::kAnyOpaque) {
+            glUseProgram(opaque_ids.id());
+        } else {
+            const bool is_blended = layer_of(scene.materials[batch.material]) == MaterialLayer::blended;
+            glUseProgram(is_blended ? blended_ids.id() : masked_ids.id());
+            bind_material(batch.material);
+        }
         draw_batch(batch, stats);
     }
     end_list();

@@ -17,9 +17,9 @@ namespace {
 constexpr int kWidth = 320, kHeight = 240;
 
 // Tolerance. Rasteriser and caster round edges and texel borders the other way here and there: single pixels.
-constexpr double kLeastPsnrDb = 40.0;
-constexpr int kLevels = 3;            ///< of 255; what the two shading programs may differ by
-constexpr double kMostWrong = 0.003;  ///< share of pixels off by more than kLevels
+constexpr double kLeastPsnrDb = 44.0;
+constexpr int kLevels = 3;             ///< of 255; what the two shading programs may differ by
+constexpr double kMostWrong = 0.0005;  ///< share of pixels off by more than kLevels
 
 struct SeamDifference {
     double psnr_db = 0.0;
