@@ -12,7 +12,7 @@ const scene::Instance& instance_of(const scene::StaticScene& scene, const DrawSe
 /// An occluder is at least so large for its distance; smaller ones hide little.
 constexpr double kOccluderSize = 0.5;
 /// All occluders together take at most this share of the set's triangles.
-constexpr double kOccluderShare = 0.15;
+constexpr double kOccluderShare = 0.25;
 
 }  // namespace
 
