@@ -60,6 +60,31 @@ TEST_F(OcclusionTest, changes_no_pixel_of_a_city_and_leaves_out_what_buildings_h
     EXPECT_GT(expect_same_ids(world, streets(world.bounds), 16), 10'000u);
 }
 
+TEST_F(OcclusionTest, changes_no_pixel_of_things_before_behind_and_through_walls) {
+    scene::SceneData world;
+    world.materials.push_back(test::plain_material());
+    test::Random random(12);
+    scene::MeshSource wall, thing;
+    test::append_box(wall, {-15, 0, -0.2f}, {15, 8, 0.2f}, 1, 0);
+    test::append_box(thing, {-0.5f, -0.5f, -0.5f}, {0.5f, 0.5f, 0.5f}, 3, 0);
+    const std::uint32_t wall_mesh = world.add_mesh(scene::prepare_mesh(std::move(wall), world.materials));
+    const std::uint32_t thing_mesh = world.add_mesh(scene::prepare_mesh(std::move(thing), world.materials));
+    for (std::uint32_t i = 0; i < 12; ++i) {
+        const WorldPos at(random.in(-30, 30), 0.0, random.in(-30, 30));
+        const Mat3 turned = test::turned_and_scaled(random.in(0.0, 2.0 * kPi), Vec3(1.0f));
+        world.add_instance(wall_mesh, at, turned, i);
+        // Around the wall within 2 m on both sides, and up to its edges.
+        for (int k = 0; k < 60; ++k) {
+            const Vec3 offset = turned * random.in_box({-16, 0, -2}, {16, 9, 2});
+            const Mat3 thing_turned =
+                test::turned_and_scaled(random.in(0.0, 2.0 * kPi), random.in_box(Vec3(0.2f), Vec3(3.0f)));
+            world.add_instance(thing_mesh, at + WorldPos(offset), thing_turned, i);
+        }
+    }
+    world.finish(16);
+    EXPECT_GT(expect_same_ids(world, streets(world.bounds), 24), 10'000u);
+}
+
 TEST_F(OcclusionTest, changes_no_pixel_of_a_wood_of_masked_leaves) {
     const scene::SceneData world = test::make_forest({.trees = 600, .size_m = 120.0});
     expect_same_ids(world, streets(world.bounds), 12);
