@@ -78,15 +78,21 @@ Result<Shader> compile_stage(GLenum kind, Program::Stage stage, std::string_view
 
 }  // namespace
 
-Result<Program> Program::compile(Stage vertex, Stage fragment, std::string_view defines) {
+Result<Program> Program::compile(Stage vertex, Stage fragment, std::string_view defines, Stage geometry) {
     if (vertex.text.empty()) return failure(fmt::format("shader {}: empty", vertex.name));
     if (fragment.text.empty()) return failure(fmt::format("shader {}: empty", fragment.name));
     FF_ASSIGN(const Shader vertex_shader, compile_stage(GL_VERTEX_SHADER, vertex, defines));
     FF_ASSIGN(const Shader fragment_shader, compile_stage(GL_FRAGMENT_SHADER, fragment, defines));
+    Shader geometry_shader;
+    if (!geometry.name.empty()) {
+        if (geometry.text.empty()) return failure(fmt::format("shader {}: empty", geometry.name));
+        FF_ASSIGN(geometry_shader, compile_stage(GL_GEOMETRY_SHADER, geometry, defines));
+    }
     Program program;
     program.object_ = Object<detail::delete_program>(glCreateProgram());
     glAttachShader(program.id(), vertex_shader.id());
     glAttachShader(program.id(), fragment_shader.id());
+    if (geometry_shader.id() != 0) glAttachShader(program.id(), geometry_shader.id());
     glLinkProgram(program.id());
     GLint good = 0;
     glGetProgramiv(program.id(), GL_LINK_STATUS, &good);
@@ -100,11 +106,14 @@ Result<Program> Program::compile(Stage vertex, Stage fragment, std::string_view 
     }
     glDetachShader(program.id(), vertex_shader.id());
     glDetachShader(program.id(), fragment_shader.id());
+    if (geometry_shader.id() != 0) glDetachShader(program.id(), geometry_shader.id());
     return program;
 }
 
-Result<Program> Program::make(std::string_view vertex, std::string_view fragment, std::string_view defines) {
-    return compile({vertex, shader_source(vertex)}, {fragment, shader_source(fragment)}, defines);
+Result<Program> Program::make(std::string_view vertex, std::string_view fragment, std::string_view defines,
+                              std::string_view geometry) {
+    return compile({vertex, shader_source(vertex)}, {fragment, shader_source(fragment)}, defines,
+                   {geometry, geometry.empty() ? std::string_view() : shader_source(geometry)});
 }
 
 }  // namespace ff::gl

@@ -156,6 +156,8 @@ void make_id_draw_list(const scene::StaticScene& scene, const SceneLayout& layou
     for (std::uint32_t mesh : out.mesh_order) {
         const MeshLayout& mesh_layout = layout.meshes[mesh];
         const std::uint32_t count = out.mesh_count[mesh];
+        for (std::uint32_t r = 0; r < count; ++r)
+            out.records[out.mesh_first_record[mesh] + r].first_name = mesh_layout.first_reordered;
         for (std::uint32_t g = mesh_layout.opaque_group_count; g < mesh_layout.group_count; ++g) {
             const MaterialGroup& group = layout.groups[mesh_layout.first_group + g];
             auto first_record = out.mesh_first_record[mesh];

@@ -23,7 +23,8 @@ struct InstanceRecord {
     float relative_from_mesh[3][4];    ///< rows of the affine transform to axes of the world, origin at the camera
     std::uint32_t instance = 0;        ///< id
     std::uint32_t first_triangle = 0;  ///< of the drawn range, within the mesh, GPU order
-    std::uint32_t padding[2] = {};
+    std::uint32_t first_name = ~0u;    ///< in SceneLayout::reordered, of the mesh; ~0: its triangles are in scene order
+    std::uint32_t padding = 0;
 };
 static_assert(sizeof(InstanceRecord) == 64);
 

@@ -62,7 +62,8 @@ void write_indices(const scene::StaticScene& scene, const SceneLayout& layout, g
 }  // namespace
 
 std::uint64_t GpuScene::memory_bytes(const scene::StaticScene& scene) const {
-    return positions.size_bytes() + attributes.size_bytes() + indices.size_bytes() + scene.texels.size_bytes();
+    return positions.size_bytes() + attributes.size_bytes() + indices.size_bytes() + triangle_names.size_bytes() +
+           scene.texels.size_bytes();
 }
 
 Result<GpuScene> upload_scene(const scene::StaticScene& scene) {
@@ -77,6 +78,13 @@ Result<GpuScene> upload_scene(const scene::StaticScene& scene) {
                                         [](const scene::VertexAttributes& a) { return a.color != 0xFFFFFFFFu; });
     FF_ASSIGN(gpu.indices, gl::Buffer::make(scene.indices.size_bytes()));
     write_indices(scene, gpu.layout, gpu.indices, progress);
+    const bool has_blended = std::any_of(scene.materials.begin(), scene.materials.end(), [](const auto& material) {
+        return layer_of(material) == MaterialLayer::blended;
+    });
+    const auto names =
+        std::as_bytes(std::span(gpu.layout.reordered)).first(has_blended ? 4 * gpu.layout.reordered.size() : 0);
+    FF_ASSIGN(gpu.triangle_names, gl::Buffer::make(names.size()));
+    gpu.triangle_names.write(0, names);
     gpu.textures.reserve(scene.textures.size());
     for (const scene::Texture& texture : scene.textures) {
         FF_ASSIGN(gl::Texture uploaded, upload_texture(scene, texture));

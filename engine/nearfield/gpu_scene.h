@@ -15,9 +15,10 @@ namespace ff::nearfield {
 
 struct GpuScene {
     SceneLayout layout;
-    gl::Buffer positions;   ///< Vec3
-    gl::Buffer attributes;  ///< scene::VertexAttributes
-    gl::Buffer indices;     ///< 32 bits, relative to the mesh's first vertex, triangles in GPU order
+    gl::Buffer positions;       ///< Vec3
+    gl::Buffer attributes;      ///< scene::VertexAttributes
+    gl::Buffer indices;         ///< 32 bits, relative to the mesh's first vertex, triangles in GPU order
+    gl::Buffer triangle_names;  ///< layout.reordered; read where triangles are blended
     std::vector<gl::Texture> textures;
     bool has_vertex_colors = false;  ///< some vertex is not white
 

@@ -14,7 +14,7 @@ namespace {
 struct MaterialUniforms {
     Vec4 base_color;
     Vec4 emissive_cutoff;     ///< w: alpha cutoff, -1 for blended materials
-    Vec4 metallic_roughness;  ///< x, y; z: texels of the base colour texture's level 0
+    Vec4 metallic_roughness;  ///< x, y; base colour texture: z texels of level 0, w wraps, -1 for none
 };
 static_assert(sizeof(MaterialUniforms) == kMaterialUniformBytes);
 
@@ -84,16 +84,17 @@ Result<MaterialPrograms> make_shaded_programs(const scene::StaticScene& scene, b
     std::vector<std::byte> bytes(std::size_t(out.stride_bytes) * scene.materials.size());
     for (std::size_t m = 0; m < scene.materials.size(); ++m) {
         const scene::Material& material = scene.materials[m];
-        float texels = 1.0f;
+        float texels = 1.0f, wraps = -1.0f;
         if (material.base_color_texture != scene::kNoTexture) {
             const scene::Texture& texture = scene.textures[material.base_color_texture];
             texels = float(texture.width) * float(texture.height);
+            wraps = float(texture.wrap_u) + 3.0f * float(texture.wrap_v);
         }
         const MaterialUniforms uniforms{
             .base_color = material.base_color,
             .emissive_cutoff =
                 Vec4(material.emissive, layer_of(material) == MaterialLayer::blended ? -1.0f : material.alpha_cutoff),
-            .metallic_roughness = Vec4(material.metallic, material.roughness, texels, 0.0f),
+            .metallic_roughness = Vec4(material.metallic, material.roughness, texels, wraps),
         };
         std::memcpy(bytes.data() + m * out.stride_bytes, &uniforms, sizeof uniforms);
     }

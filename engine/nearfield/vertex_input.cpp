@@ -33,7 +33,7 @@ VertexInput VertexInput::make(const GpuScene& gpu) {
         glVertexArrayAttribFormat(id, 4 + row, 4, GL_FLOAT, GL_FALSE, 16 * row);
     }
     attribute(7, kRecords);
-    glVertexArrayAttribIFormat(id, 7, 2, GL_UNSIGNED_INT, offsetof(InstanceRecord, instance));
+    glVertexArrayAttribIFormat(id, 7, 3, GL_UNSIGNED_INT, offsetof(InstanceRecord, instance));
     glVertexArrayBindingDivisor(id, kRecords, 1);
     glVertexArrayVertexBuffer(id, kPositions, gpu.positions.id(), 0, sizeof(Vec3));
     glVertexArrayVertexBuffer(id, kAttributes, gpu.attributes.id(), 0, sizeof(Attributes));

@@ -1,18 +1,43 @@
 // Where a see-through triangle is there, by the rule of farfield/alpha_test.h: the nearest texel of the mip whose texels
 // are as large as the ray's footprint. Needs view.glsl, material.glsl, surface_slope.glsl.
 
-float caster_alpha(vec2 texcoord) {
+float caster_level(vec2 texcoord) {
     // The footprint in texels, squared, is uv area per metre^2 times (depth * pixel angle)^2 times texels; the screen
     // shows that area divided by the slope.
     vec2 gradient = vec2(dFdx(gl_FragCoord.w), dFdy(gl_FragCoord.w));
     Slope s = slope_of(ray_uv(gl_FragCoord.xy), gl_FragCoord.w, gradient);
     float texels = uv_area_per_pixel(texcoord) * s.slope * material.metallic_roughness.z;
-    return textureLod(base_color_nearest, texcoord, floor(0.5 * log2(max(texels, 1.0)))).a;
+    return floor(0.5 * log2(max(texels, 1.0)));
 }
 
-// (0, 1], the same every time for an instance and a pixel.
-float hashed_threshold(uint instance, uvec2 pixel) {
-    uint h = (instance * 0xC2B2AE3Du) ^ (pixel.x * 0x9E3779B1u) ^ (pixel.y * 0x85EBCA77u);
+float caster_alpha(vec2 texcoord) {
+    return textureLod(base_color_nearest, texcoord, caster_level(texcoord)).a;
+}
+
+// Nearest texel along one side, as scene::wrap_texel. wrap: 0 repeat, 1 clamp, 2 mirror.
+uint wrap_texel(float c, int size, int wrap) {
+    if (wrap == 0) {
+        c -= floor(c);
+    } else if (wrap == 2) {
+        c -= 2.0 * floor(0.5 * c);
+        if (c > 1.0) c = 2.0 - c;
+    }
+    return uint(clamp(c * float(size), 0.0, float(size - 1)));
+}
+
+// What names the hashed threshold beside the triangle: the texel, or without a texture a 64th of the triangle.
+uvec2 caster_texel(vec2 texcoord, vec2 barycentrics) {
+    int wraps = int(material.metallic_roughness.w);  // -1 without a texture
+    if (wraps < 0) return uvec2(wrap_texel(barycentrics.x, 64, 1), wrap_texel(barycentrics.y, 64, 1));
+    int level = min(int(caster_level(texcoord)), textureQueryLevels(base_color_nearest) - 1);
+    ivec2 size = textureSize(base_color_nearest, level);
+    return uvec2(wrap_texel(texcoord.x, size.x, wraps % 3), wrap_texel(texcoord.y, size.y, wraps / 3));
+}
+
+// (0, 1], the same every time, and for every caster, for a texel of a triangle.
+float hashed_threshold(uint instance, uint triangle, uvec2 texel) {
+    uint seed = instance * 0xC2B2AE3Du + triangle * 0x27D4EB2Fu;
+    uint h = seed ^ (texel.x * 0x9E3779B1u) ^ (texel.y * 0x85EBCA77u);
     h = (h ^ (h >> 15)) * 0x2C1B3C6Du;
     h = (h ^ (h >> 12)) * 0x297A2D39u;
     h ^= h >> 15;

@@ -6,7 +6,7 @@ layout(location = 3) in vec4 color;
 layout(location = 4) in vec4 relative_row0;
 layout(location = 5) in vec4 relative_row1;
 layout(location = 6) in vec4 relative_row2;
-layout(location = 7) in uvec2 instance_and_first_triangle;
+layout(location = 7) in uvec3 instance_names;  // instance, first triangle of the range, first of its names
 
 vec3 relative_position() {
     vec4 p = vec4(position, 1.0);

@@ -2,15 +2,15 @@
 #include "view.glsl"
 #include "instance.glsl"
 
-flat out uvec2 v_ids;
+layout(location = 0) flat out uvec3 v_ids;
 #ifdef SEE_THROUGH
-out vec2 v_texcoord;
-out float v_alpha;
+layout(location = 1) out vec2 v_texcoord;
+layout(location = 2) out float v_alpha;
 #endif
 
 void main() {
     gl_Position = clip_of(relative_position());
-    v_ids = instance_and_first_triangle;
+    v_ids = instance_names;
 #ifdef SEE_THROUGH
     v_texcoord = texcoord;
     v_alpha = color.a;

@@ -1,9 +1,11 @@
 // Milliseconds of the shading pass for whole 640x480 images: a town from the street and from above, a wood, near and
-// far, all pixels textured or prelit. Usage: bench_shading [laps]
+// far, all pixels textured, or prelit beyond some distances, with the error that this makes. Usage: bench_shading
+// [laps]
 
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <limits>
 #include <string>
@@ -42,6 +44,7 @@ struct Shot {
     shading::ShadeSettings settings;
     farfield::VisibilityBuffer visibility;
     std::vector<double> ms[2];  ///< one worker, two workers
+    double psnr_db = 99.0;      ///< against full shading
 };
 
 /// Triangles set up: once per tile that sees them.
@@ -80,6 +83,18 @@ Shot make_shot(std::string name, const scene::StaticScene& scene, farfield::RayC
     return shot;
 }
 
+double psnr_db(const shading::Image& a, const shading::Image& b) {
+    double squares = 0;
+    for (int y = 0; y < a.height; ++y)
+        for (int x = 0; x < a.width; ++x)
+            for (int shift = 0; shift < 24; shift += 8) {
+                const std::size_t i = std::size_t(y) * std::size_t(a.stride) + std::size_t(x);
+                const int d = int((a.pixels[i] >> shift) & 255u) - int((b.pixels[i] >> shift) & 255u);
+                squares += double(d) * d;
+            }
+    return squares > 0 ? 10.0 * std::log10(255.0 * 255.0 * 3.0 * a.width * a.height / squares) : 99.0;
+}
+
 void write_ppm(const std::string& path, const shading::Image& image) {
     if (std::FILE* file = std::fopen(path.c_str(), "wb")) {
         fmt::print(file, "P6 {} {} 255\n", image.width, image.height);
@@ -101,20 +116,31 @@ int main(int argc, char** argv) {
     const scene::StaticScene town_scene = town.view(), wood_scene = wood.view();
     const auto town_caster = farfield::make_embree_caster(town_scene);
     const auto wood_caster = farfield::make_embree_caster(wood_scene);
-    const shading::ShadeSettings prelit{.prelit_beyond_m = 100.0f};
+    constexpr float kPrelitBeyondM[] = {1000.0f, 300.0f, 100.0f, 0.0f};
 
     std::vector<Shot> shots;
     shots.push_back(make_shot("town, street", town_scene, *town_caster, 40, 1.7, 20, 1.3, 0.02));
     shots.push_back(make_shot("town, roofs", town_scene, *town_caster, 130, 80, -115, 3.9, -0.4));
-    shots.push_back(make_shot("town, roofs, prelit 100 m", town_scene, *town_caster, 130, 80, -115, 3.9, -0.4, prelit));
+    for (const float beyond_m : kPrelitBeyondM)
+        shots.push_back(make_shot(fmt::format("  prelit beyond {} m", beyond_m), town_scene, *town_caster, 130, 80,
+                                  -115, 3.9, -0.4, {.prelit_beyond_m = beyond_m}));
     shots.push_back(make_shot("wood, inside", wood_scene, *wood_caster, 40, 1.7, 20, 1.3, 0.02));
     shots.push_back(make_shot("wood, above", wood_scene, *wood_caster, 40, 60, 20, 0.7, -0.3));
-    shots.push_back(make_shot("wood, above, prelit 100 m", wood_scene, *wood_caster, 40, 60, 20, 0.7, -0.3, prelit));
+    for (const float beyond_m : kPrelitBeyondM)
+        shots.push_back(make_shot(fmt::format("  prelit beyond {} m", beyond_m), wood_scene, *wood_caster, 40, 60, 20,
+                                  0.7, -0.3, {.prelit_beyond_m = beyond_m}));
     shots.push_back(make_shot("sky", town_scene, *town_caster, 40, 80, 20, 0.3, 0.9));
 
     const auto tiles = whole_image();
     shading::Image image;
     image.resize(kWidth, kHeight);
+    shading::Image full;
+    full.resize(kWidth, kHeight);
+    for (Shot& shot : shots) {
+        shading::shade_tiles(*shot.scene, {}, shot.view, shot.visibility, tiles, {}, full);
+        shading::shade_tiles(*shot.scene, {}, shot.view, shot.visibility, tiles, shot.settings, image);
+        shot.psnr_db = psnr_db(image, full);
+    }
     for (int lap = 0; lap < laps; ++lap)
         for (Shot& shot : shots)
             for (int workers = 1; workers <= 2; ++workers) {
@@ -127,14 +153,14 @@ int main(int argc, char** argv) {
                 if (lap == 0 && workers == 1 && argc > 2)
                     write_ppm(fmt::format("{}/{}.ppm", argv[2], &shot - shots.data()), image);
             }
-    fmt::print("640x480, {} laps; ms: median (best)\n{:<28}{:>8}{:>16}{:>18}{:>18}\n", laps, "", "sky %",
-               "triangles*tiles", "1 worker, CPU", "2, wall");
+    fmt::print("640x480, {} laps; ms: median (best)\n{:<28}{:>8}{:>16}{:>18}{:>18}{:>8}\n", laps, "", "sky %",
+               "triangles*tiles", "1 worker, CPU", "2, wall", "dB");
     for (Shot& shot : shots) {
         for (std::vector<double>& ms : shot.ms) std::sort(ms.begin(), ms.end());
         const auto times = [&](int i) {
             return fmt::format("{:.2f} ({:.2f})", shot.ms[i][std::size_t(laps / 2)], shot.ms[i][0]);
         };
-        fmt::print("{:<28}{:>8.1f}{:>16}{:>18}{:>18}\n", shot.name, sky_percent(shot.visibility),
-                   tile_triangles(shot.visibility), times(0), times(1));
+        fmt::print("{:<28}{:>8.1f}{:>16}{:>18}{:>18}{:>8.1f}\n", shot.name, sky_percent(shot.visibility),
+                   tile_triangles(shot.visibility), times(0), times(1), shot.psnr_db);
     }
 }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <limits>
 #include <map>
 #include <nlohmann/json.hpp>
 
@@ -38,6 +39,27 @@ double quantile_of(std::vector<double> values, double share) {
     return values[rank];
 }
 
+/// Differences of a walk's frames from a reference.
+struct ErrorSum {
+    double psnr_sum = 0, psnr_min = 99.0, wrong_sum = 0;
+    int worst_frame = 0;
+
+    void add(int frame, const shading::Image& image, const shading::Image& reference) {
+        const ImageDifference difference = compare_images(image, reference);
+        const double psnr = std::min(99.0, difference.psnr_db);
+        psnr_sum += psnr;
+        if (psnr < psnr_min) worst_frame = frame;
+        psnr_min = std::min(psnr_min, psnr);
+        wrong_sum += difference.wrong_pixels_pct;
+    }
+    [[nodiscard]] json report(double frames) const {
+        return {{"psnr_db_mean", psnr_sum / frames},
+                {"psnr_db_min", psnr_min},
+                {"worst_frame", worst_frame},
+                {"wrong_pixels_pct", wrong_sum / frames}};
+    }
+};
+
 /// Everything measured of one mode.
 struct ModeRun {
     std::string name;
@@ -47,8 +69,8 @@ struct ModeRun {
     std::vector<frame::FrameStats> stats;       ///< [frame], of the first lap: work is the same in all
     std::vector<double> pass_ms = std::vector<double>(frame::kPassCount, 0.0);
     std::uint64_t steady_allocations = 0, steady_frames = 0;
-    double psnr_sum = 0, psnr_min = 99.0, wrong_sum = 0;
-    int worst_frame = 0;
+    ErrorSum error;       ///< against mode raycast with the same shading
+    ErrorSum full_error;  ///< against mode raycast with full shading: what a prelit far field costs as well
 
     /// A frame's time: the median over the laps, so that another process's burst in one lap is not ours.
     [[nodiscard]] std::vector<double> times() const {
@@ -75,21 +97,23 @@ double peak_memory_mb() {
 /// One untimed lap in step: every mode's picture of a frame against mode raycast's.
 void measure_errors(Session& session, std::vector<ModeRun>& runs, const ImageSize& size, std::size_t frames) {
     const auto reference = session.make_renderer(size);
-    shading::Image reference_image, image;
+    const auto full_reference = session.make_renderer(size);
+    shading::Image reference_image, full_image, image;
+    const bool is_prelit = std::isfinite(runs.front().settings.prelit_beyond_m);
     Progress progress("comparing with raycast", frames * runs.size());
     for (std::size_t f = 0; f < frames; ++f) {
         const Camera camera = session.walk().camera(f);
         frame::FrameSettings settings = runs.front().settings;
         settings.mode = frame::Mode::raycast;
         reference->draw(camera, session.dynamic(), settings, reference_image);
+        if (is_prelit) {
+            settings.prelit_beyond_m = std::numeric_limits<float>::infinity();
+            full_reference->draw(camera, session.dynamic(), settings, full_image);
+        }
         for (ModeRun& run : runs) {
             run.renderer->draw(camera, session.dynamic(), run.settings, image);
-            const ImageDifference difference = compare_images(image, reference_image);
-            const double psnr = std::min(99.0, difference.psnr_db);
-            run.psnr_sum += psnr;
-            if (psnr < run.psnr_min) run.worst_frame = int(f);
-            run.psnr_min = std::min(run.psnr_min, psnr);
-            run.wrong_sum += difference.wrong_pixels_pct;
+            run.error.add(int(f), image, reference_image);
+            if (is_prelit) run.full_error.add(int(f), image, full_image);
             progress.advance();
         }
     }
@@ -126,7 +150,7 @@ json report_of(const ModeRun& run, std::size_t frames, int laps) {
     for (const double t : times) mean += t / double(times.size());
 
     frame::PixelCounts pixels;
-    double rays = 0, near_triangles = 0, shaded = 0, near_m = 0, stale = 0;
+    double rays = 0, near_triangles = 0, near_draws = 0, shaded = 0, near_m = 0, stale = 0;
     double parallax_p99 = 0, parallax_max = 0;
     for (const frame::FrameStats& stats : run.stats) {
         pixels.near_field += stats.pixels.near_field;
@@ -137,6 +161,7 @@ json report_of(const ModeRun& run, std::size_t frames, int laps) {
         stale += double(stats.pixels.stale);
         rays += double(stats.rays);
         near_triangles += double(stats.near_triangles);
+        near_draws += double(stats.near_draws);
         shaded += double(stats.shaded_pixels);
         near_m += stats.near_m;
         parallax_p99 = std::max(parallax_p99, double(stats.parallax_p99_px));
@@ -165,12 +190,11 @@ json report_of(const ModeRun& run, std::size_t frames, int laps) {
             {"rays_per_frame", rays / n},
             {"shaded_pixels_per_frame", shaded / n},
             {"near_triangles_per_frame", near_triangles / n},
+            {"near_draws_per_frame", near_draws / n},
             {"near_m_mean", std::isfinite(near_m) ? json(near_m / n) : json(nullptr)},
-            {"error",
-             {{"psnr_db_mean", run.psnr_sum / n},
-              {"psnr_db_min", run.psnr_min},
-              {"worst_frame", run.worst_frame},
-              {"wrong_pixels_pct", run.wrong_sum / n}}},
+            {"error", run.error.report(n)},
+            {"error_against_full_shading",
+             std::isfinite(run.settings.prelit_beyond_m) ? run.full_error.report(n) : json(nullptr)},
             {"panorama_parallax_px", {{"p99", parallax_p99}, {"max", parallax_max}}},
             {"heap_allocations_per_frame",
              run.steady_frames > 0 ? double(run.steady_allocations) / double(run.steady_frames) : 0.0}};
@@ -222,6 +246,9 @@ Status run_bench(const BenchOptions& options) {
           {"height", options.view.size.height},
           {"budget_ms", settings.budget_ms},
           {"max_parallax_px", settings.max_parallax_px},
+          {"near_m", settings.fixed_near_m ? json(*settings.fixed_near_m) : json(nullptr)},
+          {"prelit_beyond_m", std::isfinite(settings.prelit_beyond_m) ? json(settings.prelit_beyond_m) : json(nullptr)},
+          {"occlusion", options.view.use_occlusion},
           {"deterministic", settings.deterministic},
           {"frame_ms", "a frame's time is its median over the laps"}}},
         {"open_seconds", open_seconds},

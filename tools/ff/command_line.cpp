@@ -63,6 +63,7 @@ void add_view_options(CLI::App& app, ViewOptions& view, bool with_mode) {
     app.add_option("--opacity", settings.opacity, "Opacity buffer: auto, software or readback")
         ->transform(CLI::CheckedTransformer(kOpacityKinds, CLI::ignore_case).description(""));
     app.add_flag("--no-panorama{false}", settings.use_panorama, "Never reuse the panoramic cache");
+    app.add_flag("--no-occlusion{false}", view.use_occlusion, "Draw near instances that others hide, too");
     app.add_flag("--no-horizon{false}", settings.use_horizon, "Cast sky pixels like all others");
     app.add_flag("--deterministic", settings.deterministic, "Decide from recorded costs instead of measured ones");
 }

@@ -24,7 +24,8 @@ struct ViewOptions {
     std::string walk = "street";  ///< a walk of the pack, or a .walk.json file
     ImageSize size;
     frame::FrameSettings frame;
-    int threads = 0;  ///< 0: all
+    bool use_occlusion = true;  ///< the hybrid's near field leaves out what is hidden
+    int threads = 0;            ///< 0: all
 };
 
 struct CookOptions {

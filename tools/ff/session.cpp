@@ -114,7 +114,10 @@ Result<std::unique_ptr<Session>> Session::open(const ViewOptions& options, std::
     session->gl_ = std::make_unique<HeadlessGl>(std::move(*context));
     FF_ASSIGN(const gl::DeviceInfo device, gl::query_device());
     session->gl_name_ = device.renderer;
-    if (needs_gl || !device.is_software) FF_TRY(session->gl_->load(session->world_->scene()));
+    if (needs_gl || !device.is_software) {
+        FF_TRY(session->gl_->load(session->world_->scene()));
+        if (!options.use_occlusion) session->near_renderer()->set_occlusion({.enabled = false});
+    }
     return session;
 }
 

@@ -1,0 +1,98 @@
+// The border of near and far field cannot be seen: wherever it runs, the picture is the same.
+
+#include <fmt/core.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/frame/renderer.h"
+#include "engine/nearfield/near_renderer.h"
+#include "tests/gl/gl_fixture.h"
+#include "tests/support/town.h"
+
+namespace ff::frame {
+namespace {
+
+constexpr int kWidth = 320, kHeight = 240;
+
+// Tolerance. Rasteriser and caster round edges and texel borders the other way here and there: single pixels.
+constexpr double kLeastPsnrDb = 44.0;
+constexpr int kLevels = 3;             ///< of 255; what the two shading programs may differ by
+constexpr double kMostWrong = 0.0005;  ///< share of pixels off by more than kLevels
+
+struct SeamDifference {
+    double psnr_db = 0.0;
+    double wrong = 0.0;
+};
+
+SeamDifference compare(const shading::Image& a, const shading::Image& b) {
+    double squares = 0;
+    int wrong = 0;
+    for (int y = 0; y < a.height; ++y)
+        for (int x = 0; x < a.width; ++x) {
+            const std::uint32_t p = a.pixels[std::size_t(y * a.stride + x)],
+                                q = b.pixels[std::size_t(y * b.stride + x)];
+            int worst = 0;
+            for (int shift = 0; shift < 24; shift += 8) {
+                const int d = int((p >> shift) & 255u) - int((q >> shift) & 255u);
+                squares += d * d;
+                worst = std::max(worst, std::abs(d));
+            }
+            wrong += worst > kLevels;
+        }
+    const double pixels = double(a.width) * a.height;
+    return {.psnr_db = 10.0 * std::log10(255.0 * 255.0 * 3.0 * pixels / std::max(squares, 1e-9)),
+            .wrong = wrong / pixels};
+}
+
+class SeamTest : public test::GlTest {
+  protected:
+    /// Draws the town from some places with each near distance, and compares each with a picture without a near field.
+    void expect_no_seam(const scene::SceneData& town) {
+        const scene::StaticScene scene = town.view();
+        auto near_renderer = nearfield::NearRenderer::make(scene);
+        ASSERT_TRUE(near_renderer) << near_renderer.error().message;
+        Casters casters(scene);
+        const Camera cameras[] = {{.position = {0.5, 1.7, 60.0}, .yaw = 0.05},
+                                  {.position = {-3.0, 1.7, -40.0}, .yaw = 0.7, .pitch = 0.08},
+                                  {.position = {60.0, 30.0, 150.0}, .yaw = -0.4, .pitch = -0.2, .roll = 0.1},
+                                  {.position = {0.0, 4.0, -90.0}, .yaw = 3.0, .vertical_fov = 0.5}};
+        for (const Camera& camera : cameras) {
+            shading::Image far_only;
+            draw(scene, casters, *near_renderer, camera, 0.0, far_only);
+            std::uint64_t covered = 0;
+            for (const double near_m : {50.0, 100.0, 400.0}) {
+                shading::Image image;
+                const std::uint64_t near_pixels = draw(scene, casters, *near_renderer, camera, near_m, image);
+                // The border does move: else the comparison would say nothing.
+                EXPECT_GT(near_pixels, covered) << near_m << " m";
+                covered = near_pixels;
+                const SeamDifference difference = compare(image, far_only);
+                fmt::print(stderr, "near {:3} m, {:5} pixels of it: {:.1f} dB, {:.5f} wrong\n", near_m, near_pixels,
+                           difference.psnr_db, difference.wrong);
+                EXPECT_GE(difference.psnr_db, kLeastPsnrDb) << near_m << " m, yaw " << camera.yaw;
+                EXPECT_LE(difference.wrong, kMostWrong) << near_m << " m, yaw " << camera.yaw;
+            }
+        }
+    }
+
+  private:
+    /// @return pixels that the rasteriser answered
+    static std::uint64_t draw(const scene::StaticScene& scene, Casters& casters, nearfield::NearRenderer& near_renderer,
+                              const Camera& camera, double near_m, shading::Image& image) {
+        Renderer renderer(scene, casters, &near_renderer, kWidth, kHeight);
+        return renderer.draw(camera, {}, {.fixed_near_m = near_m}, image).pixels.near_field;
+    }
+};
+
+TEST_F(SeamTest, a_near_distance_of_50_100_or_400_m_draws_the_same_town) {
+    expect_no_seam(test::make_small_town());
+}
+
+TEST_F(SeamTest, panes_of_glass_have_no_seam_either) {
+    expect_no_seam(test::make_small_town({.glass = true}));
+}
+
+}  // namespace
+}  // namespace ff::frame

@@ -1,0 +1,77 @@
+#include "tests/golden/golden_compare.h"
+
+#include <OpenImageIO/imageio.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+
+#include "tests/golden/golden_shots.h"
+
+namespace ff::test {
+namespace {
+
+int channel(std::uint32_t pixel, int shift) {
+    return int((pixel >> shift) & 255u);
+}
+
+std::uint32_t pixel_of(const shading::Image& image, int x, int y) {
+    return image.pixels[std::size_t(y) * std::size_t(image.stride) + std::size_t(x)];
+}
+
+}  // namespace
+
+GoldenDifference golden_difference(const shading::Image& a, const shading::Image& b) {
+    double squares = 0;
+    int wrong = 0;
+    for (int y = 0; y < a.height; ++y)
+        for (int x = 0; x < a.width; ++x) {
+            int worst = 0;
+            for (int shift = 0; shift < 24; shift += 8) {
+                const int d = std::abs(channel(pixel_of(a, x, y), shift) - channel(pixel_of(b, x, y), shift));
+                squares += d * d;
+                worst = std::max(worst, d);
+            }
+            wrong += worst > kGoldenLevels;
+        }
+    const double pixels = double(a.width) * a.height;
+    return {.psnr_db = squares > 0 ? 10.0 * std::log10(255.0 * 255.0 * 3.0 * pixels / squares) : 99.0,
+            .wrong = wrong / pixels};
+}
+
+shading::Image difference_image(const shading::Image& a, const shading::Image& b) {
+    shading::Image out;
+    out.resize(a.width, a.height);
+    for (int y = 0; y < a.height; ++y)
+        for (int x = 0; x < a.width; ++x) {
+            std::uint32_t pixel = 0xFF000000u;
+            for (int shift = 0; shift < 24; shift += 8) {
+                const int d = std::abs(channel(pixel_of(a, x, y), shift) - channel(pixel_of(b, x, y), shift));
+                pixel |= std::uint32_t(std::min(8 * d, 255)) << shift;
+            }
+            out.pixels[std::size_t(y) * std::size_t(out.stride) + std::size_t(x)] = pixel;
+        }
+    return out;
+}
+
+std::filesystem::path golden_path(const std::string& name) {
+    return std::filesystem::path(FF_GOLDEN_DIR) / (name + ".png");
+}
+
+Result<shading::Image> read_golden(const std::string& name) {
+    const std::string path = golden_path(name).string();
+    const auto input = OIIO::ImageInput::open(path);
+    if (!input) return bad_input(fmt::format("{}: cannot read: {}", path, OIIO::geterror()));
+    const OIIO::ImageSpec& spec = input->spec();
+    if (spec.width != kGoldenWidth || spec.height != kGoldenHeight || spec.nchannels < 3)
+        return bad_input(fmt::format("{}: {}x{} pixels of {} channels; expected {}x{} of 3", path, spec.width,
+                                     spec.height, spec.nchannels, kGoldenWidth, kGoldenHeight));
+    shading::Image image;
+    image.resize(spec.width, spec.height);
+    if (!input->read_image(0, 0, 0, 3, OIIO::TypeDesc::UINT8, image.pixels.data(), 4, OIIO::stride_t(image.stride) * 4))
+        return bad_input(fmt::format("{}: cannot read: {}", path, input->geterror()));
+    return image;
+}
+
+}  // namespace ff::test
