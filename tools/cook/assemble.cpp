@@ -10,6 +10,7 @@
 #include "engine/math/types.h"
 #include "tools/cook/assemble_division.h"
 #include "tools/cook/assemble_gather.h"
+#include "tools/cook/assemble_heights.h"
 #include "tools/cook/assemble_materials.h"
 #include "tools/cook/assemble_mesh.h"
 #include "tools/cook/free_memory.h"
@@ -82,8 +83,9 @@ Result<Assembly> assemble(WorldSource source, const AssembleSettings& settings, 
     source.textures = {};
     context.end_stage("mip-map textures");
 
-    if (context.cache().enabled()) hash_meshes(source);
-    FF_ASSIGN(const CellDivision division, divide_into_cells(source, sorted, settings, context.cache()));
+    const bool is_cached = context.cache().enabled();
+    const std::string geometry = is_cached ? hash_geometry(source) : std::string();
+    FF_ASSIGN(const CellDivision division, divide_into_cells(source, sorted, settings, geometry, context.cache()));
     const std::vector<CellRange>& cells = division.cells;
     context.end_stage("divide into cells");
 
@@ -95,15 +97,17 @@ Result<Assembly> assemble(WorldSource source, const AssembleSettings& settings, 
     whole_meshes.erase(std::unique(whole_meshes.begin(), whole_meshes.end()), whole_meshes.end());
     std::vector<scene::PreparedMesh> prepared(cells.size() + whole_meshes.size());
     std::vector<DVec3> origins(cells.size());
+    std::vector<std::string> keys(prepared.size());
     std::atomic<std::uint64_t> dropped = 0;
     {
         Gatherer gatherer(source, sorted, division, material_ids, whole_meshes);
-        const bool is_cached = context.cache().enabled();
         const std::string materials = hash_materials(material_ids, out.materials);
-        const auto prepare = [&](const std::string& inputs, const std::function<GatheredMesh()>& gather) {
-            CookedMesh cooked = prepare_mesh_cached(inputs, gather, out.materials, context.cache());
+        const auto prepare = [&](std::size_t i, const auto& inputs, const auto& gather) {
+            const CacheKey key = prepared_mesh_key(materials, is_cached ? inputs() : std::string());
+            CookedMesh cooked = prepare_mesh_cached(key, gather, out.materials, context.cache());
             dropped += cooked.dropped_triangles;
-            return std::move(cooked.mesh);
+            prepared[i] = std::move(cooked.mesh);
+            keys[i] = key.hex();
         };
         Progress progress("preparing meshes", prepared.size());
         parallel_for(prepared.size(), [&](std::size_t i) {
@@ -111,13 +115,13 @@ Result<Assembly> assemble(WorldSource source, const AssembleSettings& settings, 
                 const CellPlan cell = gatherer.plan(cells[i]);
                 origins[i] = cell.origin;
                 if (cell.runs.empty()) return progress.advance();  // instances alone
-                prepared[i] = prepare(is_cached ? materials + gatherer.inputs(cell) : std::string(),
-                                      [&] { return gatherer.gather(cell); });
+                prepare(
+                    i, [&] { return gatherer.inputs(cell); }, [&] { return gatherer.gather(cell); });
                 gatherer.release(cell);
             } else {
                 const std::uint32_t mesh = whole_meshes[i - cells.size()];
-                prepared[i] = prepare(is_cached ? materials + source.meshes[mesh].content_hash : std::string(),
-                                      [&] { return gatherer.gather_whole(mesh); });
+                prepare(
+                    i, [&] { return source.meshes[mesh].content_hash; }, [&] { return gatherer.gather_whole(mesh); });
                 gatherer.release_whole(mesh);
             }
             progress.advance();
@@ -158,7 +162,8 @@ Result<Assembly> assemble(WorldSource source, const AssembleSettings& settings, 
             assembly.info.dynamic_instances.push_back({mesh, placement.position, placement.world_from_mesh});
     }
     context.end_stage("join");
-    out.finish(settings.height_grid_size);
+    out.finish(0);
+    add_height_grid(settings.height_grid_size, geometry, keys, context.cache(), out);
     context.end_stage("finish scene");
     return assembly;
 }

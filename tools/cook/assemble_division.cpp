@@ -11,7 +11,6 @@
 #include "engine/core/jobs.h"
 #include "engine/core/log.h"
 #include "tools/cook/cook_bytes.h"
-#include "tools/cook/geometry_hash.h"
 
 namespace ff::cook {
 namespace {
@@ -137,22 +136,21 @@ constexpr const char* kStep = "cells 1";
 }  // namespace
 
 Result<CellDivision> divide_into_cells(const WorldSource& source, const SortedPlacements& sorted,
-                                       const AssembleSettings& settings, CookCache& cache) {
+                                       const AssembleSettings& settings, const std::string& geometry,
+                                       CookCache& cache) {
     CellDivision division;
-    CacheKey key(kStep);
-    if (cache.enabled()) {
-        add_geometry(key, source)
-            .add_value(settings.largest_cell_m)
-            .add_value(settings.smallest_cell_m)
-            .add_value(settings.cell_triangles)
-            .add_value(settings.merge_instances_below)
-            .add_value(settings.merge_uses_up_to);
-        if (const auto found = cache.find(key)) {
-            ByteReader in(*found);
-            in.array(division.ids);
-            in.array(division.cells);
-            return division;
-        }
+    const CacheKey key = CacheKey(kStep)
+                             .add(geometry)
+                             .add_value(settings.largest_cell_m)
+                             .add_value(settings.smallest_cell_m)
+                             .add_value(settings.cell_triangles)
+                             .add_value(settings.merge_instances_below)
+                             .add_value(settings.merge_uses_up_to);
+    if (const auto found = cache.find(key)) {
+        ByteReader in(*found);
+        in.array(division.ids);
+        in.array(division.cells);
+        return division;
     }
     const CellGrid grid(settings.largest_cell_m, settings.smallest_cell_m);
     FF_ASSIGN(std::vector<CellEntry> entries, make_entries(source, sorted, grid));

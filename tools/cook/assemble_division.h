@@ -2,6 +2,7 @@
 // Which triangles and instances go into which cell of the ground.
 
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "engine/core/result.h"
@@ -26,8 +27,10 @@ struct CellDivision {
 [[nodiscard]] Result<SortedPlacements> sort_placements(const WorldSource& source, const AssembleSettings& settings);
 
 /// Every merged triangle goes where its centroid lies, every instance where its mesh's middle lies.
-/// Where the cache is on, the meshes are hashed. Errors: something lies too far away, see assemble().
+/// @param geometry  hash_geometry; not read where the cache is off
+/// Errors: something lies too far away, see assemble().
 [[nodiscard]] Result<CellDivision> divide_into_cells(const WorldSource& source, const SortedPlacements& sorted,
-                                                     const AssembleSettings& settings, CookCache& cache);
+                                                     const AssembleSettings& settings, const std::string& geometry,
+                                                     CookCache& cache);
 
 }  // namespace ff::cook

@@ -113,9 +113,12 @@ std::string hash_materials(std::span<const std::uint16_t> material_ids, std::spa
     return CacheKey("materials").add(std::as_bytes(material_ids)).add_array(flags).hex();
 }
 
-CookedMesh prepare_mesh_cached(const std::string& inputs, const std::function<GatheredMesh()>& gather,
+CacheKey prepared_mesh_key(const std::string& materials, const std::string& geometry) {
+    return CacheKey(kPrepareStep).add(materials).add(geometry);
+}
+
+CookedMesh prepare_mesh_cached(const CacheKey& key, const std::function<GatheredMesh()>& gather,
                                std::span<const scene::Material> materials, CookCache& cache) {
-    const CacheKey key = CacheKey(kPrepareStep).add(inputs);
     if (const auto cached = cache.find(key)) return deserialize(*cached);
     GatheredMesh gathered = gather();
     CookedMesh cooked{.mesh = {}, .dropped_triangles = gathered.dropped_triangles};

@@ -58,12 +58,13 @@ struct CookedMesh {
 [[nodiscard]] std::string hash_materials(std::span<const std::uint16_t> material_ids,
                                          std::span<const scene::Material> materials);
 
+/// The key of a prepared mesh.
+/// @param materials, geometry  hashes of all that the gathered mesh depends on
+[[nodiscard]] CacheKey prepared_mesh_key(const std::string& materials, const std::string& geometry);
+
 /// scene::prepare_mesh of what `gather` gives, from the cache where the same was prepared before; then nothing is
 /// gathered.
-/// @param inputs  hash of everything that the gathered mesh and its materials' flags depend on; not read where the
-/// cache
-///                is off
-[[nodiscard]] CookedMesh prepare_mesh_cached(const std::string& inputs, const std::function<GatheredMesh()>& gather,
+[[nodiscard]] CookedMesh prepare_mesh_cached(const CacheKey& key, const std::function<GatheredMesh()>& gather,
                                              std::span<const scene::Material> materials, CookCache& cache);
 
 }  // namespace ff::cook

@@ -1,8 +1,10 @@
 #include "tools/cook/geometry_hash.h"
 
 #include "engine/core/jobs.h"
+#include "tools/cook/cook_cache.h"
 
 namespace ff::cook {
+namespace {
 
 void hash_meshes(WorldSource& world) {
     parallel_for(world.meshes.size(), [&](std::size_t m) {
@@ -17,7 +19,10 @@ void hash_meshes(WorldSource& world) {
     });
 }
 
-CacheKey& add_geometry(CacheKey& key, const WorldSource& world) {
+}  // namespace
+
+std::string hash_geometry(WorldSource& world) {
+    hash_meshes(world);
     std::string meshes;
     for (const SourceMesh& mesh : world.meshes) meshes += mesh.content_hash;
     struct Place {
@@ -34,7 +39,7 @@ CacheKey& add_geometry(CacheKey& key, const WorldSource& world) {
         places.push_back({placement.position, placement.world_from_mesh, placement.mesh});
         kinds.push_back(placement.kind);
     }
-    return key.add(meshes).add_array(places).add_array(kinds);
+    return CacheKey("geometry").add(meshes).add_array(places).add_array(kinds).hex();
 }
 
 }  // namespace ff::cook

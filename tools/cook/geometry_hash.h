@@ -1,15 +1,14 @@
 #pragma once
 // What steps after the importers depend on: the world's geometry, as hashes. Pixels of textures are no part of it.
 
-#include "tools/cook/cook_cache.h"
+#include <string>
+
 #include "tools/cook/world_source.h"
 
 namespace ff::cook {
 
-/// Fills content_hash of the meshes that have none yet. Parallel; about 10 GB/s.
-void hash_meshes(WorldSource& world);
-
-/// Adds all meshes and where they stand, in order. The meshes are hashed.
-CacheKey& add_geometry(CacheKey& key, const WorldSource& world);
+/// The hash of all meshes and of where they stand. Fills content_hash of the meshes that have none yet; parallel, some
+/// GB/s.
+[[nodiscard]] std::string hash_geometry(WorldSource& world);
 
 }  // namespace ff::cook

@@ -117,7 +117,12 @@ void scatter(std::span<const Model> models, const ScatterRule& rule, const Groun
                 if (!obstacles.is_free(x, z, 1.5)) continue;
                 const std::optional<double> y = ground(x, z);
                 if (!y || (rule.height_m && (*y < (*rule.height_m)[0] || *y > (*rule.height_m)[1]))) continue;
-                const double dx = ground(x + 1, z).value_or(*y) - *y, dz = ground(x, z + 1).value_or(*y) - *y;
+                const auto rise = [&](double step_x, double step_z) {  // over 1 m; backwards where the ground ends
+                    if (const auto ahead = ground(x + step_x, z + step_z)) return *ahead - *y;
+                    if (const auto behind = ground(x - step_x, z - step_z)) return *y - *behind;
+                    return 0.0;
+                };
+                const double dx = rise(1, 0), dz = rise(0, 1);
                 if (dx * dx + dz * dz > max_tangent * max_tangent) continue;
                 double pick = hash_unit(place, 4) * weight_sum;
                 std::size_t model = 0;

@@ -24,15 +24,12 @@ void write_walks(const WorldSource& world, ByteWriter& out) {
 }  // namespace
 
 CacheKey walks_key(WorldSource& world, bool has_spawn) {
-    hash_meshes(world);
-    CacheKey key(kStep);
-    add_geometry(key, world);
     // Of materials, whether a triangle blocks the way or is foliage.
     std::vector<std::uint32_t> flags;
     for (const scene::Material& material : world.materials) flags.push_back(material.flags);
     ByteWriter given;
     write_walks(world, given);
-    return key.add_array(flags).add_value(has_spawn).add(given.bytes());
+    return CacheKey(kStep).add(hash_geometry(world)).add_array(flags).add_value(has_spawn).add(given.bytes());
 }
 
 bool find_walks(const CacheKey& key, CookCache& cache, WorldSource& world) {
