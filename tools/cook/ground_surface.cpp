@@ -74,8 +74,8 @@ std::optional<double> GroundSurface::height_at(double x, double z) const {
     return top;
 }
 
-void GrowingGround::update(const WorldSource& world) {
-    const std::size_t first = parts_.empty() ? 0 : parts_.back().end, end = world.placements.size();
+void GrowingGround::update(const WorldSource& world, std::size_t end) {
+    const std::size_t first = parts_.empty() ? 0 : parts_.back().end;
     if (first == end) return;
     const auto add = [&](std::size_t from) {
         parts_.push_back({from, end, std::make_shared<const GroundSurface>(world, from, end)});

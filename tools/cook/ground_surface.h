@@ -34,9 +34,9 @@ class GroundSurface {
 /// The ground of a world that is still being built: each model may stand on those before it.
 class GrowingGround {
   public:
-    /// Adds the placements that came since the last call. All calls together take n log n in the triangles, however
-    /// many they are.
-    void update(const WorldSource& world);
+    /// Adds the placements up to `end` that came since the last call. All calls together take n log n in the triangles,
+    /// however many they are.
+    void update(const WorldSource& world, std::size_t end);
     /// Not itself: a list of surfaces that stays as it is now. Threads: any number may ask it.
     [[nodiscard]] std::function<std::optional<double>(double x, double z)> now() const;
 

@@ -43,8 +43,7 @@ class SceneBuilder {
         context_.end_stage("buildings");
         FF_TRY(add_models([](const ModelDescription& m) { return m.position_m.size() == 2 && !m.dynamic; }));
         FF_TRY(add_models([](const ModelDescription& m) { return m.dynamic; }));
-        ground_now();
-        is_ground_complete_ = true;
+        ground_end_ = world_.placements.size();
         FF_TRY(add_scatters());
         if (scale_ > 1 && !scene_.town) copy_static_content(world_, static_bounds(), scale_);
         context_.end_stage("models");
@@ -378,7 +377,7 @@ class SceneBuilder {
     /// nothing stands on scattered things.
     Ground ground_now() {
         if (!terrain_ && !town_ground_) {
-            if (!is_ground_complete_) surface_.update(world_);
+            surface_.update(world_, ground_end_.value_or(world_.placements.size()));
             return surface_.now();
         }
         return [this](double x, double z) -> std::optional<double> {
@@ -412,7 +411,7 @@ class SceneBuilder {
     std::unique_ptr<TownGround> town_ground_;
     city::CitySite site_;
     GrowingGround surface_;
-    bool is_ground_complete_ = false;
+    std::optional<std::size_t> ground_end_;  ///< placements behind it are no ground
     Obstacles obstacles_;
 };
 
