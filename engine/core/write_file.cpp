@@ -24,12 +24,12 @@ Status write_all(int fd, std::span<const std::byte> bytes, const std::filesystem
 
 }  // namespace
 
-Status write_file_whole(const std::filesystem::path& path, std::span<const std::byte> bytes) {
+Status write_file_whole(const std::filesystem::path& path, std::span<const std::byte> bytes, Flush flush) {
     const auto part = std::filesystem::path(fmt::format("{}.part{}", path.string(), ::getpid()));
     const int fd = ::open(part.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
     if (fd < 0) return failure(fmt::format("{}: cannot create: {}", part.string(), std::strerror(errno)));
     Status status = write_all(fd, bytes, part);
-    if (status && ::fsync(fd) != 0)
+    if (status && flush == Flush::to_disk && ::fsync(fd) != 0)
         status = failure(fmt::format("{}: cannot sync: {}", part.string(), std::strerror(errno)));
     ::close(fd);
     if (status && ::rename(part.c_str(), path.c_str()) != 0)

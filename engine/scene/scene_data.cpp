@@ -95,7 +95,7 @@ void SceneData::finish(std::uint32_t height_grid_size) {
     origin = bounds.is_empty() ? WorldPos(0.0) : glm::round(bounds.center());
     build_instance_bvh(instances, origin, instance_nodes);
     prelit_colors = make_prelit_colors(*this);
-    build_height_grid(*this, height_grid_size, height_grid, heights);
+    if (height_grid_size != 0) build_height_grid(*this, height_grid_size, height_grid, heights);
 }
 
 StaticScene SceneData::view() const {

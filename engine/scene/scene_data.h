@@ -73,7 +73,7 @@ class SceneData {
 
     /// Sorts instances by cell (stable) and fills cells, bounds, origin, the instances' BVH, prelit colours and the
     /// height grid. Instance ids given out before are void.
-    /// @param height_grid_size  squares per side, a power of two in [16, 4096]
+    /// @param height_grid_size  squares per side, a power of two in [16, 4096]; 0: left to the caller
     void finish(std::uint32_t height_grid_size = 1024);
 
     /// Borrowed view; valid until the arrays change.

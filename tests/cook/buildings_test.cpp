@@ -80,7 +80,7 @@ TEST_P(RealFootprints, are_read_and_stand) {
     CookCache cache;
     CookContext context(cache);
     std::optional<GroundFrame> frame;
-    const Result<std::vector<Footprint>> footprints = read_footprints(path, {}, true, frame, context);
+    const Result<std::vector<Footprint>> footprints = read_footprints(path, {}, OutlineKind::buildings, frame, context);
     ASSERT_TRUE(footprints) << footprints.error().message;
     EXPECT_GE(footprints->size(), least);
     for (const Footprint& footprint : *footprints) {

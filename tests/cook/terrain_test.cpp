@@ -51,7 +51,7 @@ TEST(Terrain, has_no_cracks) {
     for (std::uint64_t seed = 0; seed < 6; ++seed) {
         const HeightField field = bumpy(61 + int(seed) * 9, 70, seed);
         WorldSource world;
-        Terrain(field, 1.0, {{-100, -50, 20, 40}}).add_to(world, {}, 16);
+        Terrain(field, 1.0, std::vector<RectXZ>{{-100, -50, 20, 40}}).add_to(world, {}, 16);
         using Point = std::pair<long, long>;
         std::map<std::pair<Point, Point>, int> edges;
         double area = 0;

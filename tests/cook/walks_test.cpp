@@ -57,8 +57,8 @@ std::vector<DBox3> add_blocks(cook::WorldSource& world) {
 }
 
 cook::WorldSource with_walks(cook::WorldSource world) {
-    cook::choose_spawn(world);
-    cook::make_standard_walks(world);
+    cook::CookCache none;
+    cook::add_spawn_and_walks(world, false, none);
     return world;
 }
 

@@ -22,16 +22,9 @@ struct AssembleSettings {
     std::uint32_t height_grid_size = 1024;     ///< squares a side, a power of two
 };
 
-/// Time that a step of the cook took.
-struct CookStage {
-    std::string name;
-    double seconds = 0;
-};
-
 struct Assembly {
     scene::SceneData scene;  ///< finished
     scene::WorldInfo info;
-    std::vector<CookStage> stages;
     std::uint64_t dropped_triangles = 0;  ///< without area
 };
 

@@ -2,71 +2,50 @@
 
 #include <meshoptimizer.h>
 
-#include <cstring>
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
+
+#include "tools/cook/cook_bytes.h"
 
 namespace ff::cook {
 namespace {
 
 using scene::PreparedMesh;
 
-// Bump when prepare_mesh's output changes for the same input.
-constexpr const char* kPrepareStep = "prepare_mesh 3";
+// Bump when gathering or prepare_mesh gives something else for the same input.
+constexpr const char* kPrepareStep = "prepare_mesh 4";
 
-template <class T>
-void write_array(std::vector<std::byte>& to, const std::vector<T>& values) {
-    const std::uint64_t count = values.size();
-    const auto size = std::as_bytes(std::span(&count, 1));
-    const auto bytes = std::as_bytes(std::span(values));
-    to.insert(to.end(), size.begin(), size.end());
-    to.insert(to.end(), bytes.begin(), bytes.end());
+std::vector<std::byte> serialize(const CookedMesh& cooked) {
+    const PreparedMesh& mesh = cooked.mesh;
+    ByteWriter out;
+    out.reserve(mesh.geometry.positions.size() * 28 + mesh.geometry.triangle_materials.size() * 14 +
+                (mesh.nodes.size() + mesh.leaves.size()) * 448 + 128);
+    out.value(cooked.dropped_triangles);
+    out.value(mesh.bounds);
+    out.value(mesh.material_flags);
+    out.array(mesh.geometry.positions);
+    out.array(mesh.geometry.attributes);
+    out.array(mesh.geometry.indices);
+    out.array(mesh.geometry.triangle_materials);
+    out.array(mesh.nodes);
+    out.array(mesh.leaves);
+    return out.take();
 }
 
-// Entries are verified by their hash: what is read is what was written.
-template <class T>
-void read_array(const std::vector<std::byte>& from, std::size_t& at, std::vector<T>& values) {
-    std::uint64_t count = 0;
-    std::memcpy(&count, from.data() + at, sizeof count);
-    at += sizeof count;
-    values.resize(count);
-    std::memcpy(values.data(), from.data() + at, count * sizeof(T));
-    at += count * sizeof(T);
-}
-
-struct PreparedHead {
-    Box3 bounds;
-    std::uint32_t material_flags = 0;
-};
-
-std::vector<std::byte> serialize(const PreparedMesh& mesh) {
-    std::vector<std::byte> bytes;
-    bytes.reserve(mesh.geometry.positions.size() * 28 + mesh.geometry.triangle_materials.size() * 14 +
-                  (mesh.nodes.size() + mesh.leaves.size()) * 448 + 128);
-    write_array(bytes, std::vector<PreparedHead>{{mesh.bounds, mesh.material_flags}});
-    write_array(bytes, mesh.geometry.positions);
-    write_array(bytes, mesh.geometry.attributes);
-    write_array(bytes, mesh.geometry.indices);
-    write_array(bytes, mesh.geometry.triangle_materials);
-    write_array(bytes, mesh.nodes);
-    write_array(bytes, mesh.leaves);
-    return bytes;
-}
-
-PreparedMesh deserialize(const std::vector<std::byte>& bytes) {
-    PreparedMesh mesh;
-    std::size_t at = 0;
-    std::vector<PreparedHead> head;
-    read_array(bytes, at, head);
-    mesh.bounds = head[0].bounds;
-    mesh.material_flags = head[0].material_flags;
-    read_array(bytes, at, mesh.geometry.positions);
-    read_array(bytes, at, mesh.geometry.attributes);
-    read_array(bytes, at, mesh.geometry.indices);
-    read_array(bytes, at, mesh.geometry.triangle_materials);
-    read_array(bytes, at, mesh.nodes);
-    read_array(bytes, at, mesh.leaves);
-    return mesh;
+CookedMesh deserialize(std::span<const std::byte> bytes) {
+    CookedMesh cooked;
+    PreparedMesh& mesh = cooked.mesh;
+    ByteReader in(bytes);
+    in.value(cooked.dropped_triangles);
+    in.value(mesh.bounds);
+    in.value(mesh.material_flags);
+    in.array(mesh.geometry.positions);
+    in.array(mesh.geometry.attributes);
+    in.array(mesh.geometry.indices);
+    in.array(mesh.geometry.triangle_materials);
+    in.array(mesh.nodes);
+    in.array(mesh.leaves);
+    return cooked;
 }
 
 }  // namespace
@@ -127,22 +106,26 @@ scene::MeshSource MeshGatherer::take() {
     return mesh;
 }
 
-scene::PreparedMesh prepare_mesh_cached(scene::MeshSource source, std::span<const scene::Material> materials,
-                                        CookCache& cache) {
-    if (!cache.enabled()) return scene::prepare_mesh(std::move(source), materials);
+std::string hash_materials(std::span<const std::uint16_t> material_ids, std::span<const scene::Material> materials) {
     std::vector<std::uint32_t> flags;  // all that preparing reads of materials
     flags.reserve(materials.size());
     for (const scene::Material& material : materials) flags.push_back(material.flags);
-    const CacheKey key = CacheKey(kPrepareStep)
-                             .add_array(source.positions)
-                             .add_array(source.attributes)
-                             .add_array(source.indices)
-                             .add_array(source.triangle_materials)
-                             .add_array(flags);
+    return CacheKey("materials").add(std::as_bytes(material_ids)).add_array(flags).hex();
+}
+
+CacheKey prepared_mesh_key(const std::string& materials, const std::string& geometry) {
+    return CacheKey(kPrepareStep).add(materials).add(geometry);
+}
+
+CookedMesh prepare_mesh_cached(const CacheKey& key, const std::function<GatheredMesh()>& gather,
+                               std::span<const scene::Material> materials, CookCache& cache) {
     if (const auto cached = cache.find(key)) return deserialize(*cached);
-    PreparedMesh mesh = scene::prepare_mesh(std::move(source), materials);
-    cache.store(key, serialize(mesh));
-    return mesh;
+    GatheredMesh gathered = gather();
+    CookedMesh cooked{.mesh = {}, .dropped_triangles = gathered.dropped_triangles};
+    if (!gathered.geometry.triangle_materials.empty())
+        cooked.mesh = scene::prepare_mesh(std::move(gathered.geometry), materials);
+    if (cache.enabled()) cache.store(key, serialize(cooked));
+    return cooked;
 }
 
 }  // namespace ff::cook

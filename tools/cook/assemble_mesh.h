@@ -2,7 +2,9 @@
 // One mesh on its way into the pack: gathered from placements, vertices shared, hierarchy built or remembered.
 
 #include <cstdint>
+#include <functional>
 #include <span>
+#include <string>
 
 #include "engine/scene/scene_data.h"
 #include "tools/cook/cook_context.h"
@@ -42,8 +44,27 @@ class MeshGatherer {
     std::vector<std::uint16_t> materials_;
 };
 
-/// scene::prepare_mesh, remembered by the geometry's content.
-[[nodiscard]] scene::PreparedMesh prepare_mesh_cached(scene::MeshSource source,
-                                                      std::span<const scene::Material> materials, CookCache& cache);
+struct GatheredMesh {
+    scene::MeshSource geometry;
+    std::uint64_t dropped_triangles = 0;  ///< without area
+};
+
+struct CookedMesh {
+    scene::PreparedMesh mesh;  ///< empty where nothing was left to draw
+    std::uint64_t dropped_triangles = 0;
+};
+
+/// The hash of the materials' part in prepared meshes: their ids in the pack and their flags.
+[[nodiscard]] std::string hash_materials(std::span<const std::uint16_t> material_ids,
+                                         std::span<const scene::Material> materials);
+
+/// The key of a prepared mesh.
+/// @param materials, geometry  hashes of all that the gathered mesh depends on
+[[nodiscard]] CacheKey prepared_mesh_key(const std::string& materials, const std::string& geometry);
+
+/// scene::prepare_mesh of what `gather` gives, from the cache where the same was prepared before; then nothing is
+/// gathered.
+[[nodiscard]] CookedMesh prepare_mesh_cached(const CacheKey& key, const std::function<GatheredMesh()>& gather,
+                                             std::span<const scene::Material> materials, CookCache& cache);
 
 }  // namespace ff::cook

@@ -24,12 +24,18 @@ struct FootprintSettings {
     double default_height_m = 9.0;
 };
 
+/// What the outlines of a file stand for.
+enum class OutlineKind {
+    buildings,
+    woods,  ///< areas that something grows on; heights mean nothing
+};
+
 /// Reads all Polygon and MultiPolygon features of a file through OGR; of OpenStreetMap extracts those tagged as
-/// buildings (`only_buildings`). A frame that is not there yet becomes the middle of the features. Self-intersecting
-/// and absurd outlines are left out with one counted warning that names the first. Errors: bad_input for a file that
-/// OGR cannot read or that holds no polygons.
+/// buildings, or as wood, forest, scrub or orchard. A frame that is not there yet becomes the middle of the features.
+/// Self-intersecting and absurd outlines are left out with one counted warning that names the first. Errors: bad_input
+/// for a file that OGR cannot read or that holds no polygons.
 [[nodiscard]] Result<std::vector<Footprint>> read_footprints(const std::filesystem::path& path,
-                                                             const FootprintSettings& settings, bool only_buildings,
+                                                             const FootprintSettings& settings, OutlineKind kind,
                                                              std::optional<GroundFrame>& frame, CookContext& context);
 
 struct BuildingLook {

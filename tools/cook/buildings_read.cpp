@@ -54,6 +54,18 @@ bool is_building(const OGRFeature& feature) {
            std::string_view(feature.GetFieldAsString(others)).find("\"building:part\"=>") != std::string_view::npos;
 }
 
+bool is_wood(const OGRFeature& feature) {
+    const auto value_of = [&](const char* name) {
+        const int field = feature.GetFieldIndex(name);
+        return std::string_view(field >= 0 && feature.IsFieldSetAndNotNull(field) ? feature.GetFieldAsString(field)
+                                                                                  : "");
+    };
+    const std::string_view natural = value_of("natural");
+    if (natural == "wood" || natural == "scrub") return true;
+    const std::string_view landuse = value_of("landuse");
+    return landuse == "forest" || landuse == "orchard";
+}
+
 std::string feature_name(const OGRFeature& feature) {
     const int field = feature.GetFieldIndex("name");
     const char* name = field >= 0 && feature.IsFieldSetAndNotNull(field) ? feature.GetFieldAsString(field) : "";
@@ -69,6 +81,7 @@ Ring read_ring(const OGRLinearRing& line, bool counter_clockwise) {
 
 struct FootprintReader {
     const FootprintSettings& settings;
+    OutlineKind kind;
     std::vector<Footprint>& out;
     std::size_t skipped = 0;
     std::string first_skipped;
@@ -92,10 +105,15 @@ struct FootprintReader {
         footprint.outer = read_ring(*exterior, true);
         const double area = signed_area(footprint.outer);
         if (area < 0.5) return skip(name, "no area");
-        if (area > kMaxBuildingArea) return skip(name, fmt::format("{:.0f} m2 is no building", area));
+        if (kind == OutlineKind::buildings && area > kMaxBuildingArea)
+            return skip(name, fmt::format("{:.0f} m2 is no building", area));
         for (int i = 0; i < polygon.getNumInteriorRings(); ++i) {
             Ring hole = read_ring(*polygon.getInteriorRing(i), false);
             if (!hole.empty()) footprint.holes.push_back(std::move(hole));
+        }
+        if (kind == OutlineKind::woods) {
+            out.push_back(std::move(footprint));
+            return;
         }
         const std::optional<double> levels = number_property(feature, settings.levels);
         footprint.height_m =
@@ -125,7 +143,7 @@ struct FootprintReader {
 }  // namespace
 
 Result<std::vector<Footprint>> read_footprints(const std::filesystem::path& path, const FootprintSettings& settings,
-                                               bool only_buildings, std::optional<GroundFrame>& frame,
+                                               OutlineKind kind, std::optional<GroundFrame>& frame,
                                                CookContext& context) {
     const std::string file = path.string();
     const GdalSession session;
@@ -153,7 +171,7 @@ Result<std::vector<Footprint>> read_footprints(const std::filesystem::path& path
         if (!geometry) continue;
         const OGRwkbGeometryType type = wkbFlatten(geometry->getGeometryType());
         if (type != wkbPolygon && type != wkbMultiPolygon) continue;
-        if (is_osm && only_buildings && !is_building(*feature)) continue;
+        if (is_osm && !(kind == OutlineKind::buildings ? is_building(*feature) : is_wood(*feature))) continue;
         auto [place, is_new] = to_degrees.try_emplace(layer);
         if (is_new && layer->GetSpatialRef()) {
             OGRSpatialReference from(*layer->GetSpatialRef());
@@ -168,7 +186,10 @@ Result<std::vector<Footprint>> read_footprints(const std::filesystem::path& path
     }
     if (features.empty())
         return bad_input(fmt::format(
-            "{}: no {}polygons{}", file, is_osm && only_buildings ? "building " : "",
+            "{}: no {}polygons{}", file,
+            !is_osm                          ? ""
+            : kind == OutlineKind::buildings ? "building "
+                                             : "wood ",
             CPLGetLastErrorType() >= CE_Failure ? fmt::format(" ({})", CPLGetLastErrorMsg()) : std::string()));
     if (!frame) frame = GroundFrame{0.5 * (extent.MinY + extent.MaxY), 0.5 * (extent.MinX + extent.MaxX)};
 
@@ -177,7 +198,7 @@ Result<std::vector<Footprint>> read_footprints(const std::filesystem::path& path
     plane.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
     const std::unique_ptr<OGRCoordinateTransformation> to_plane(OGRCreateCoordinateTransformation(&wgs84, &plane));
     std::vector<Footprint> footprints;
-    FootprintReader reader{settings, footprints, 0, {}};
+    FootprintReader reader{settings, kind, footprints, 0, {}};
     for (const OGRFeatureUniquePtr& feature : features) {
         OGRGeometry* geometry = feature->GetGeometryRef();
         if (!to_plane || geometry->transform(to_plane.get()) != OGRERR_NONE) {

@@ -31,8 +31,9 @@ Result<WorldSource> load_model_as_world(const std::filesystem::path& path, int s
     if (model.triangle_count == 0)
         return bad_input(fmt::format("{}: no triangles in its scene; expected some to draw", path.string()));
     copy_static_content(world, model.bounds, scale);
-    choose_spawn(world);
-    make_standard_walks(world);
+    context.end_stage("read model");
+    add_spawn_and_walks(world, false, context.cache());
+    context.end_stage("walks");
     return world;
 }
 
@@ -90,26 +91,19 @@ Result<CookReport> cook(const std::filesystem::path& source, const std::filesyst
                                                  : settings.cache_dir,
                     settings.cache_limit_bytes);
     CookContext context(cache);
-    Stopwatch stage;
-    const auto end_stage = [&](const char* name) {
-        report.stages.push_back({name, stage.seconds()});
-        stage.restart();
-    };
 
     FF_ASSIGN(WorldSource world, load_source(source, settings.scale, context));
-    end_stage("read sources");
     report.bytes_in = world.bytes_in;
     FF_ASSIGN(const Assembly assembly, assemble(std::move(world), {}, context));
-    report.stages.insert(report.stages.end(), assembly.stages.begin(), assembly.stages.end());
-    stage.restart();
     count_scene(assembly, report);
     FF_ASSIGN(report.bytes_out, scene::write_world(out, assembly.scene, assembly.info));
-    end_stage("write pack");
+    context.end_stage("write pack");
     cache.trim();
 
     report.cache_hits = cache.hits();
     report.cache_misses = cache.misses();
     report.warnings = context.warnings();
+    report.stages = context.stages();
     report.seconds = whole.seconds();
     return report;
 }

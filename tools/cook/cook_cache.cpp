@@ -84,7 +84,7 @@ void CookCache::store(const CacheKey& key, std::span<const std::byte> bytes) {
     const std::filesystem::path path = path_of(key);
     std::error_code error;
     std::filesystem::create_directories(path.parent_path(), error);
-    if (error || !write_file_whole(path, entry)) ++failed_stores_;
+    if (error || !write_file_whole(path, entry, Flush::none)) ++failed_stores_;
 }
 
 void CookCache::trim() {

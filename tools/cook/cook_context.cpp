@@ -17,4 +17,9 @@ std::vector<std::string> CookContext::warnings() const {
     return {warnings_.begin(), warnings_.end()};
 }
 
+void CookContext::end_stage(const char* name) {
+    stages_.push_back({name, stage_.seconds()});
+    stage_.restart();
+}
+
 }  // namespace ff::cook

@@ -9,15 +9,16 @@
 
 namespace ff::cook {
 
-GroundSurface::GroundSurface(const WorldSource& world) {
+GroundSurface::GroundSurface(const WorldSource& world, std::size_t first, std::size_t end) {
     DBox3 bounds;
-    for (const Placement& placement : world.placements) {
+    for (std::size_t place = first; place < end; ++place) {
+        const Placement& placement = world.placements[place];
         if (placement.kind == PlacementKind::dynamic) continue;
         const scene::MeshSource& mesh = world.meshes[placement.mesh].geometry;
         const DMat3 turn(placement.world_from_mesh);
         const bool mirrored = glm::dot(turn[0], glm::cross(turn[1], turn[2])) < 0;
-        const auto corner = [&](std::size_t i) {
-            return placement.position + turn * DVec3(mesh.positions[mesh.indices[i]]);
+        const auto corner = [&](std::size_t c) {
+            return placement.position + turn * DVec3(mesh.positions[mesh.indices[c]]);
         };
         for (std::size_t i = 0; i + 2 < mesh.indices.size(); i += 3) {
             Triangle t{corner(i), corner(i + 1), corner(i + 2)};
@@ -71,6 +72,30 @@ std::optional<double> GroundSurface::height_at(double x, double z) const {
     }
     if (!std::isfinite(top)) return std::nullopt;
     return top;
+}
+
+void GrowingGround::update(const WorldSource& world, std::size_t end) {
+    const std::size_t first = parts_.empty() ? 0 : parts_.back().end;
+    if (first == end) return;
+    const auto add = [&](std::size_t from) {
+        parts_.push_back({from, end, std::make_shared<const GroundSurface>(world, from, end)});
+    };
+    add(first);
+    while (parts_.size() > 1 &&
+           2 * parts_.back().surface->triangle_count() >= parts_[parts_.size() - 2].surface->triangle_count()) {
+        const std::size_t from = parts_[parts_.size() - 2].first;
+        parts_.resize(parts_.size() - 2);
+        add(from);
+    }
+}
+
+std::function<std::optional<double>(double x, double z)> GrowingGround::now() const {
+    return [parts = parts_](double x, double z) {
+        std::optional<double> top;
+        for (const Part& part : parts)
+            if (const auto y = part.surface->height_at(x, z); y && (!top || *y > *top)) top = y;
+        return top;
+    };
 }
 
 }  // namespace ff::cook

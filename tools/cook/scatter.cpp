@@ -87,6 +87,19 @@ void scatter(std::span<const Model> models, const ScatterRule& rule, const Groun
         DVec3 position;
         double yaw, scale;
     };
+    std::vector<RectXZ> boxes;  // of the polygons
+    for (const Footprint& polygon : rule.polygons) {
+        RectXZ& box = boxes.emplace_back(RectXZ{1e9, 1e9, -1e9, -1e9});
+        for (const DVec2& p : polygon.outer) {
+            box.x0 = std::min(box.x0, p.x), box.x1 = std::max(box.x1, p.x);
+            box.z0 = std::min(box.z0, -p.y), box.z1 = std::max(box.z1, -p.y);
+        }
+    }
+    const auto in_polygons = [&](double x, double z) {
+        for (std::size_t i = 0; i < boxes.size(); ++i)
+            if (boxes[i].contains(x, z) && contains(rule.polygons[i], DVec2(x, -z))) return true;
+        return boxes.empty();
+    };
     std::vector<std::vector<Place>> rows(std::size_t(z1 - z0));
     parallel_ranges(rows.size(), 4, [&](std::size_t begin, std::size_t end) {
         for (std::size_t r = begin; r < end; ++r)
@@ -100,14 +113,16 @@ void scatter(std::span<const Model> models, const ScatterRule& rule, const Groun
                 if (rule.clump_m > 0 &&
                     fractal_noise(rule.seed, x / rule.clump_m, z / rule.clump_m, 3) < 0.5 * hash_unit(place, 3) - 0.05)
                     continue;
-                if (!rule.polygons.empty() &&
-                    std::none_of(rule.polygons.begin(), rule.polygons.end(),
-                                 [&](const Footprint& f) { return contains(f, DVec2(x, -z)); }))
-                    continue;
+                if (!in_polygons(x, z)) continue;
                 if (!obstacles.is_free(x, z, 1.5)) continue;
                 const std::optional<double> y = ground(x, z);
                 if (!y || (rule.height_m && (*y < (*rule.height_m)[0] || *y > (*rule.height_m)[1]))) continue;
-                const double dx = ground(x + 1, z).value_or(*y) - *y, dz = ground(x, z + 1).value_or(*y) - *y;
+                const auto rise = [&](double step_x, double step_z) {  // over 1 m; backwards where the ground ends
+                    if (const auto ahead = ground(x + step_x, z + step_z)) return *ahead - *y;
+                    if (const auto behind = ground(x - step_x, z - step_z)) return *y - *behind;
+                    return 0.0;
+                };
+                const double dx = rise(1, 0), dz = rise(0, 1);
                 if (dx * dx + dz * dz > max_tangent * max_tangent) continue;
                 double pick = hash_unit(place, 4) * weight_sum;
                 std::size_t model = 0;

@@ -18,6 +18,7 @@
 #include "tools/cook/scatter.h"
 #include "tools/cook/scene_toml_description.h"
 #include "tools/cook/sky_image.h"
+#include "tools/cook/terrain_cache.h"
 #include "tools/cook/town_ground.h"
 #include "tools/cook/walks.h"
 
@@ -35,14 +36,22 @@ class SceneBuilder {
         world_.environment = scene_.environment;
         if (!scene_.sky_panorama.empty()) FF_TRY(load_sky_panorama(scene_.sky_panorama, world_));
         FF_TRY(add_ground());
+        context_.end_stage("ground");
+        // What says its height itself may be the ground that others stand on, wherever in the file it is written.
+        FF_TRY(add_models([](const ModelDescription& m) { return m.position_m.size() == 3 && !m.dynamic; }));
         FF_TRY(add_all_buildings());
-        FF_TRY(add_models());
+        context_.end_stage("buildings");
+        FF_TRY(add_models([](const ModelDescription& m) { return m.position_m.size() == 2 && !m.dynamic; }));
+        FF_TRY(add_models([](const ModelDescription& m) { return m.dynamic; }));
+        ground_end_ = world_.placements.size();
         FF_TRY(add_scatters());
         if (scale_ > 1 && !scene_.town) copy_static_content(world_, static_bounds(), scale_);
-        FF_TRY(add_spawn());
+        context_.end_stage("models");
+        set_spawn();
         FF_TRY(add_walks());
         if (world_.placements.empty()) return bad_input("holds nothing to draw; expected terrain, buildings or models");
-        make_standard_walks(world_);
+        add_spawn_and_walks(world_, scene_.spawn.has_value(), context_.cache());
+        context_.end_stage("walks");
         return std::move(world_);
     }
 
@@ -82,7 +91,7 @@ class SceneBuilder {
         HeightField field;
         const bool has_terrain = scene_.terrain.has_value();
         if (has_terrain && scene_.terrain->valley) {
-            field = make_valley(*scene_.terrain->valley);
+            field = make_valley_cached(*scene_.terrain->valley, context_.cache());
         } else if (has_terrain) {
             FF_ASSIGN(field, read_height_file(scene_.terrain->heightmap, scene_.terrain->file, frame_));
             std::error_code ignored;
@@ -90,7 +99,9 @@ class SceneBuilder {
         }
         std::vector<RectXZ> exact;
         if (scene_.town) {
+            context_.end_stage("heights");
             FF_TRY(add_town([&](double x, double z) { return has_terrain ? field.sample(x, z) : 0.0; }));
+            context_.end_stage("town");
             if (has_terrain) {
                 shape_ground(field, *town_ground_, site_.blocks);
                 exact = bounds_of(site_.blocks, 2 * std::max(field.spacing_x, field.spacing_z));
@@ -99,8 +110,9 @@ class SceneBuilder {
         if (!has_terrain) return {};
         const TerrainDescription& terrain = *scene_.terrain;
         const double spacing = std::min(field.spacing_x, field.spacing_z);
-        terrain_ = std::make_unique<Terrain>(
-            std::move(field), terrain.max_error_m.value_or(std::max(0.1, spacing / 100)), std::move(exact));
+        const double max_error_m = terrain.max_error_m.value_or(std::max(0.1, spacing / 100));
+        terrain_ =
+            std::make_unique<Terrain>(make_terrain_cached(std::move(field), max_error_m, exact, context_.cache()));
         Terrain::Look look;
         const Vec3 plain = terrain.texture.empty() && !terrain.natural_colors ? Vec3(0.32f, 0.36f, 0.22f) : Vec3(1.0f);
         FF_ASSIGN(look.material, material(terrain.texture, plain));
@@ -212,8 +224,9 @@ class SceneBuilder {
 
     Status add_all_buildings() {
         for (const BuildingsDescription& buildings : scene_.buildings) {
-            FF_ASSIGN(const std::vector<Footprint> footprints,
-                      read_footprints(buildings.footprints, buildings.properties, true, frame_, context_));
+            FF_ASSIGN(
+                const std::vector<Footprint> footprints,
+                read_footprints(buildings.footprints, buildings.properties, OutlineKind::buildings, frame_, context_));
             std::error_code ignored;
             world_.bytes_in += std::filesystem::file_size(buildings.footprints, ignored);
             BuildingLook look;
@@ -235,12 +248,14 @@ class SceneBuilder {
         return {};
     }
 
-    Status add_models() {
+    Status add_models(bool (*is_wanted)(const ModelDescription&)) {
         for (const ModelDescription& described : scene_.models) {
+            if (!is_wanted(described)) continue;
             FF_ASSIGN(const Model* loaded, model(described.file));
             const std::vector<double>& p = described.position_m;
             DVec3 position(p.front(), 0, p.back());
-            position.y = p.size() == 3 ? p[1] : ground_now()(position.x, position.z).value_or(0.0);
+            const std::optional<double> below = ground_now()(position.x, position.z);
+            position.y = p.size() == 3 ? p[1] : below.value_or(0.0);
             const long uses = std::count_if(scene_.models.begin(), scene_.models.end(),
                                             [&](const ModelDescription& m) { return m.file == described.file; });
             const DMat3 turn = world_from_yaw(described.yaw_deg, described.scale);
@@ -254,8 +269,8 @@ class SceneBuilder {
                          .world_from_mesh = Mat3(turn * part.model_from_mesh),
                          .kind = part.use_count > 1 || uses > 1 ? PlacementKind::instance : PlacementKind::merge});
             }
-            if (!loaded->bounds.is_empty() && !terrain_) continue;  // a model that is the ground blocks nothing
-            if (!loaded->bounds.is_empty()) {
+            // A model that is the ground blocks nothing.
+            if (below && !loaded->bounds.is_empty()) {
                 Footprint outline;
                 const DVec3 &low = loaded->bounds.low, &high = loaded->bounds.high;
                 for (const DVec3& corner : {DVec3(low.x, 0, high.z), DVec3(high.x, 0, high.z), DVec3(high.x, 0, low.z),
@@ -291,8 +306,14 @@ class SceneBuilder {
                 const std::vector<double>& a = described.area_m;
                 rule.area = {a[0], a[1], a[2], a[3]};
             } else {
-                FF_ASSIGN(rule.polygons, read_footprints(described.polygons, {}, false, frame_, context_));
+                FF_ASSIGN(rule.polygons, read_footprints(described.polygons, {}, OutlineKind::woods, frame_, context_));
                 rule.area = {1e9, 1e9, -1e9, -1e9};
+                double area_km2 = 0;
+                for (const Footprint& polygon : rule.polygons) area_km2 += 1e-6 * signed_area(polygon.outer);
+                if (area_km2 * rule.density_per_km2 > 4e6)
+                    return bad_input(
+                        fmt::format("{}: {:.0f} km2 with {:g} instances each; expected at most 4 million in all",
+                                    described.polygons.string(), area_km2, rule.density_per_km2));
                 for (const Footprint& polygon : rule.polygons)
                     for (const DVec2& p : polygon.outer) {
                         rule.area.x0 = std::min(rule.area.x0, p.x), rule.area.x1 = std::max(rule.area.x1, p.x);
@@ -304,15 +325,11 @@ class SceneBuilder {
         return {};
     }
 
-    Status add_spawn() {
-        if (!scene_.spawn) {
-            choose_spawn(world_);
-            return {};
-        }
+    void set_spawn() {
+        if (!scene_.spawn) return;  // chosen with the walks
         const auto& [x, z, yaw] = *scene_.spawn;
         world_.spawn_position = {x, scene_.spawn_y ? *scene_.spawn_y : ground_now()(x, z).value_or(0.0), z};
         world_.spawn_yaw_deg = yaw;
-        return {};
     }
 
     Status add_walks() {
@@ -356,14 +373,12 @@ class SceneBuilder {
 
     using Ground = GroundHeight;
 
-    /// The ground as it is at this point of the building: town, terrain, or the models placed so far.
+    /// The ground as it is at this point of the building: town, terrain, or what has been placed so far, except that
+    /// nothing stands on scattered things.
     Ground ground_now() {
         if (!terrain_ && !town_ground_) {
-            if (!surface_ || surface_placements_ != world_.placements.size()) {
-                surface_ = std::make_shared<GroundSurface>(world_);
-                surface_placements_ = world_.placements.size();
-            }
-            return [surface = surface_](double x, double z) { return surface->height_at(x, z); };
+            surface_.update(world_, ground_end_.value_or(world_.placements.size()));
+            return surface_.now();
         }
         return [this](double x, double z) -> std::optional<double> {
             if (town_ground_ && (!terrain_ || in_town(x, z))) return town_ground_->height_at(x, z);
@@ -395,8 +410,8 @@ class SceneBuilder {
     std::unique_ptr<Terrain> terrain_;
     std::unique_ptr<TownGround> town_ground_;
     city::CitySite site_;
-    std::shared_ptr<GroundSurface> surface_;
-    std::size_t surface_placements_ = 0;
+    GrowingGround surface_;
+    std::optional<std::size_t> ground_end_;  ///< placements behind it are no ground
     Obstacles obstacles_;
 };
 

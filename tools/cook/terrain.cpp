@@ -31,11 +31,16 @@ Vec3 HeightField::normal_at(int column, int row) const {
     return Vec3(glm::normalize(DVec3(-dx, 1.0, -dz)));
 }
 
-Terrain::Terrain(HeightField field, double max_error_m, std::vector<RectXZ> exact)
-    : field_(std::move(field)), max_error_(float(max_error_m)) {
+Terrain::Terrain(HeightField field, double max_error_m, std::vector<float> errors)
+    : field_(std::move(field)), max_error_(float(max_error_m)), errors_(std::move(errors)) {
     int squares = 2;
     while (squares + 1 < std::max(field_.columns, field_.rows)) squares *= 2;
     side_ = squares + 1;
+    errors_.resize(std::size_t(side_) * std::size_t(side_));
+}
+
+Terrain::Terrain(HeightField field, double max_error_m, const std::vector<RectXZ>& exact)
+    : Terrain(std::move(field), max_error_m, std::vector<float>()) {
     compute_errors(exact);
 }
 
@@ -55,7 +60,6 @@ DVec3 Terrain::position(Corner c) const {
 // Step s = 1, 2, 4, ..: first the midpoints of axis-aligned hypotenuses of length 2 s, then of diagonals across squares
 // of side 2 s; each looks at the four midpoints of the step before it. Every step visits every sample: n log n.
 void Terrain::compute_errors(const std::vector<RectXZ>& exact) {
-    errors_.assign(std::size_t(side_) * side_, 0.0f);
     struct SampleRect {
         int x0, z0, x1, z1;
     };

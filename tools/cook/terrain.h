@@ -61,7 +61,12 @@ class Terrain {
   public:
     /// @param max_error_m  the mesh is nowhere further from the field, vertically, at any sample. >= 0
     /// @param exact        rectangles within which, and along whose borders, every sample is kept
-    Terrain(HeightField field, double max_error_m, std::vector<RectXZ> exact = {});
+    Terrain(HeightField field, double max_error_m, const std::vector<RectXZ>& exact = {});
+    /// @param errors  what errors() of a terrain of the same field and rectangles gave
+    Terrain(HeightField field, double max_error_m, std::vector<float> errors);
+
+    /// How far the mesh would be off, by sample, if it left that sample out.
+    [[nodiscard]] const std::vector<float>& errors() const { return errors_; }
 
     [[nodiscard]] const HeightField& field() const { return field_; }
     [[nodiscard]] bool covers(double x, double z) const;

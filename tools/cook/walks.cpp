@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "engine/scene/walk.h"
 #include "tools/cook/walks_aerial.h"
+#include "tools/cook/walks_cache.h"
 #include "tools/cook/walks_frames.h"
 #include "tools/cook/walks_route.h"
 
@@ -18,6 +20,8 @@ constexpr int kStreetFrames = 400, kOrbitFrames = 120, kFlyoverFrames = 400, kTu
 constexpr double kStreetSpeed_m_s = 3.0;
 constexpr double kSprintSpeed_m_s = 10.0;
 constexpr double kFlySpeed_m_s = 25.0;
+// Of the 256 m that a ground map reaches, a route of 120 m and the room around it are left.
+constexpr double kSameSurroundings_m = 100.0;
 
 double way_m(int frames, double speed_m_s) {
     return (frames - 1) * speed_m_s / kRate_hz;
@@ -56,14 +60,23 @@ void add_walks_around_object(WorldSource& world, const ObjectView& view) {
     add_walk(world, "flyover", walk_around(view, kFlySpeed_m_s - 0.24 * rise, rise, kFlyoverFrames));
 }
 
-}  // namespace
+// The free ground around a place.
+struct Surroundings {
+    PointXZ center;
+    DensityMap density;
+    GroundMap map;
+};
 
-void choose_spawn(WorldSource& world) {
-    const StaticTriangles triangles(world);
-    if (triangles.bounds().is_empty()) return;
-    const DensityMap density = make_density_map(triangles);
-    const GroundMap map = make_ground_map(triangles, density, densest_place(density));
-    const std::uint32_t node = find_spawn_node(map, density);
+Surroundings look_around(const StaticTriangles& triangles, std::optional<PointXZ> place) {
+    Surroundings around;
+    around.density = make_density_map(triangles, place);
+    around.center = place.value_or(densest_place(around.density));
+    around.map = make_ground_map(triangles, around.density, around.center);
+    return around;
+}
+
+void choose_spawn(WorldSource& world, const StaticTriangles& triangles, const Surroundings& around) {
+    const std::uint32_t node = find_spawn_node(around.map, around.density);
     if (node == GroundNode::kNone) {
         // To the south of the object, looking at it.
         const ObjectView view = object_view(triangles.bounds());
@@ -71,34 +84,57 @@ void choose_spawn(WorldSource& world) {
         world.spawn_yaw_deg = 0.0;
         return;
     }
-    const PointXZ at = map.middle_of(map.nodes[node]);
-    world.spawn_position = DVec3(at.x, std::round((map.nodes[node].y + map.base_y) * 1e6) / 1e6, at.z);
-    world.spawn_yaw_deg = free_ways(map, node).longest_deg;
+    const PointXZ at = around.map.middle_of(around.map.nodes[node]);
+    const double y = around.map.nodes[node].y + around.map.base_y;
+    world.spawn_position = DVec3(at.x, std::round(y * 1e6) / 1e6, at.z);
+    world.spawn_yaw_deg = free_ways(around.map, node).longest_deg;
 }
 
-void make_standard_walks(WorldSource& world) {
-    constexpr const char* kNames[] = {"street", "orbit", "flyover", "turn", "sprint"};
-    if (std::all_of(std::begin(kNames), std::end(kNames), [&](const char* name) { return has_walk(world, name); }))
-        return;
-    const StaticTriangles triangles(world);
-    const PointXZ spawn{world.spawn_position.x, world.spawn_position.z};
-    const DensityMap density = make_density_map(triangles, spawn);
-    const GroundMap map = make_ground_map(triangles, density, spawn);
-    std::uint32_t node = find_node_near(map, world.spawn_position);
-    if (node == GroundNode::kNone) node = find_spawn_node(map, density);
-    const SceneCircle circle = scene_circle(triangles, density, world.spawn_position.y);
+void make_standard_walks(WorldSource& world, const StaticTriangles& triangles, const Surroundings& around) {
+    std::uint32_t node = find_node_near(around.map, world.spawn_position);
+    if (node == GroundNode::kNone) node = find_spawn_node(around.map, around.density);
+    const SceneCircle circle = scene_circle(triangles, around.density, world.spawn_position.y);
     const DVec3 eye = world.spawn_position + DVec3(0.0, kEyeHeight_m, 0.0);
     double pitch_deg = 0.0;
     if (node != GroundNode::kNone) {
-        add_walks_on_ground(world, map, node, circle);
+        add_walks_on_ground(world, around.map, node, circle);
     } else {
         const ObjectView view = object_view(triangles.bounds());
         add_walks_around_object(world, view);
         const DVec3 d = view.center - eye;
         pitch_deg = std::clamp(degrees_of(std::atan2(d.y, std::hypot(d.x, d.z))), -60.0, 0.0);
     }
-    add_walk(world, "orbit", orbit(circle, density, kOrbitFrames));
+    add_walk(world, "orbit", orbit(circle, around.density, kOrbitFrames));
     add_walk(world, "turn", turn_on_the_spot(eye, world.spawn_yaw_deg, pitch_deg));
+}
+
+void find_spawn_and_walks(WorldSource& world, bool has_spawn) {
+    constexpr const char* kNames[] = {"street", "orbit", "flyover", "turn", "sprint"};
+    const bool has_walks =
+        std::all_of(std::begin(kNames), std::end(kNames), [&](const char* name) { return has_walk(world, name); });
+    if (has_spawn && has_walks) return;
+    const StaticTriangles triangles(world);
+    std::optional<Surroundings> around;
+    if (!has_spawn && !triangles.bounds().is_empty()) {
+        around = look_around(triangles, std::nullopt);
+        choose_spawn(world, triangles, *around);
+    }
+    if (has_walks) return;
+    const PointXZ spawn{world.spawn_position.x, world.spawn_position.z};
+    // What was seen when the spawn point was chosen serves its walks, unless they would run out of it.
+    if (!around || std::hypot(spawn.x - around->center.x, spawn.z - around->center.z) > kSameSurroundings_m)
+        around = look_around(triangles, spawn);
+    make_standard_walks(world, triangles, *around);
+}
+
+}  // namespace
+
+void add_spawn_and_walks(WorldSource& world, bool has_spawn, CookCache& cache) {
+    if (!cache.enabled()) return find_spawn_and_walks(world, has_spawn);
+    const CacheKey key = walks_key(world, has_spawn);
+    if (find_walks(key, cache, world)) return;
+    find_spawn_and_walks(world, has_spawn);
+    store_walks(key, world, cache);
 }
 
 Result<SourceWalk> read_walk_file(const std::filesystem::path& path, const std::string& name) {

@@ -22,6 +22,7 @@ struct SourceTexture {
 struct SourceMesh {
     std::string name;
     scene::MeshSource geometry;  ///< triangle_materials index WorldSource::materials
+    std::string content_hash;    ///< of the geometry; empty until hash_meshes
 };
 
 enum class PlacementKind : std::uint8_t {
