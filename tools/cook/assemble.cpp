@@ -46,22 +46,38 @@ Status check_placement(const WorldSource& source, const Placement& placement) {
                                  placement.position.z, scene::kMaxWorldCoordinate));
 }
 
-Result<SortedPlacements> sort_placements(const WorldSource& source, const AssembleSettings& settings) {
+Status check_placements(const WorldSource& source) {
+    for (const Placement& placement : source.placements)
+        if (triangle_count(source, placement) > 0) FF_TRY(check_placement(source, placement));
+    return {};
+}
+
+/// Which placements keep a mesh of their own: dynamic ones, and instances unless merging is cheaper.
+std::vector<bool> find_whole_placements(const WorldSource& source, const AssembleSettings& settings) {
     std::vector<std::uint32_t> uses(source.meshes.size(), 0);
     for (const Placement& placement : source.placements)
         if (placement.kind != PlacementKind::merge) ++uses[placement.mesh];
+    std::vector<bool> whole;
+    for (const Placement& placement : source.placements) {
+        const bool merge_anyway =
+            uses[placement.mesh] == 1 || (triangle_count(source, placement) < settings.merge_instances_below &&
+                                          uses[placement.mesh] <= settings.merge_uses_up_to);
+        whole.push_back(placement.kind == PlacementKind::dynamic ||
+                        (placement.kind == PlacementKind::instance && !merge_anyway));
+    }
+    return whole;
+}
+
+Result<SortedPlacements> sort_placements(const WorldSource& source, const std::vector<bool>& whole) {
     SortedPlacements sorted;
     std::uint64_t triangles = 0;
     for (std::size_t i = 0; i < source.placements.size(); ++i) {
         const Placement& placement = source.placements[i];
         const std::size_t count = triangle_count(source, placement);
         if (count == 0) continue;
-        FF_TRY(check_placement(source, placement));
-        const bool merge_anyway = uses[placement.mesh] == 1 || (count < settings.merge_instances_below &&
-                                                                uses[placement.mesh] <= settings.merge_uses_up_to);
         if (placement.kind == PlacementKind::dynamic) {
             sorted.dynamic.push_back(static_cast<std::uint32_t>(i));
-        } else if (placement.kind == PlacementKind::instance && !merge_anyway) {
+        } else if (whole[i]) {
             sorted.instanced.push_back(static_cast<std::uint32_t>(i));
         } else {
             sorted.merged.push_back(static_cast<std::uint32_t>(i));
@@ -239,7 +255,15 @@ Result<Assembly> assemble(WorldSource source, const AssembleSettings& settings, 
     out.environment = source.environment;
     out.environment.panorama = {};
     out.sky_panorama = std::move(source.sky_panorama);
-    FF_ASSIGN(const SortedPlacements sorted, sort_placements(source, settings));
+    FF_TRY(check_placements(source));
+    const std::uint64_t repeated = drop_repeated_placements(source);
+    const std::vector<bool> whole = find_whole_placements(source, settings);
+    assembly.coincident = resolve_coincident_surfaces(source, whole);
+    assembly.coincident.dropped_placements = repeated;
+    if (!assembly.coincident.complete)
+        context.warn(fmt::format("{}: too many triangles in one plane; some were not told apart", source.name));
+    end_stage("coincident");
+    FF_ASSIGN(const SortedPlacements sorted, sort_placements(source, whole));
     const std::vector<std::uint16_t> material_ids = add_materials(source, used_materials(source), out);
     source.textures = {};
     end_stage("mip-map textures");
