@@ -25,12 +25,12 @@ constexpr float kParallel = 0.999f;  // cosine; noise in a small triangle's corn
 
 // What the sweep reads of a triangle.
 struct Item {
-    Box3 box;          // relative to the middle of the world, rounded outwards by the tolerance
+    Box3 box;          // relative to the middle of the world, see comparable_box
     Vec3 unit_normal;  // facing out; zero without area
     std::uint32_t id = 0;
 };
 
-std::uint64_t spread_bits(std::uint64_t v) {  // abc -> 00a00b00c, 21 bits
+std::uint64_t spread_bits(std::uint64_t v) {  // abc -> 00a00b00c, 20 bits
     v &= 0x1FFFFFull;
     v = (v | v << 32) & 0x1F00000000FFFFull;
     v = (v | v << 16) & 0x1F0000FF0000FFull;
@@ -99,7 +99,7 @@ struct BoxTree {
         parallel_ranges(items.size() / kLeaf + 1, kGrain, [&](std::size_t begin, std::size_t end) {
             for (std::size_t leaf = begin; leaf < end; ++leaf)
                 for (std::size_t i = kLeaf * leaf; i < std::min(kLeaf * (leaf + 1), items.size()); ++i)
-                    boxes[leaf_count + leaf].add(items[i].box);
+                    if (items[i].unit_normal != Vec3(0.0f)) boxes[leaf_count + leaf].add(items[i].box);
         });
         for (std::size_t node = leaf_count - 1; node > 0; --node) {
             boxes[node] = boxes[2 * node];
@@ -128,12 +128,42 @@ struct BoxTree {
     }
 };
 
-std::vector<Item> sorted_items(const PlacedTriangles& triangles, DVec3& middle) {
+/// The box of a triangle, such that boxes of two that coincide meet and those of neighbours that only touch tend not
+/// to: wider by the tolerance across the plane, narrower by twice as much along it (an overlap counts from two
+/// tolerances).
+Box3 comparable_box(const Corners& corners, const Vec3& unit_normal, const DVec3& middle) {
+    DBox3 box;
+    for (const DVec3& p : corners) box.add(p - middle);
+    const double tolerance = coincidence_tolerance(corners);
+    Box3 result;
+    for (int axis = 0; axis < 3; ++axis) {
+        const double rounding = 1.2e-7 * std::max(std::abs(box.low[axis]), std::abs(box.high[axis]));
+        // An axis less than 45 degrees from the plane: an overlap as wide as w reaches over 0.7 w along it.
+        const double grow = std::abs(unit_normal[axis]) > 0.7f ? tolerance + rounding : rounding - 0.6 * tolerance;
+        result.low[axis] = static_cast<float>(box.low[axis] - grow);
+        result.high[axis] = static_cast<float>(box.high[axis] + grow);
+    }
+    return result;
+}
+
+/// Where a triangle goes in the order: small ones before large ones, of one size class along the Morton curve. Large
+/// ones amid small ones would blow up the boxes of the tree.
+std::uint64_t order_key(const Box3& box, const Vec3& extent) {
+    const Vec3 size = box.extent();
+    const float largest = std::max({size.x, size.y, size.z, 1e-9f});
+    const auto size_class = static_cast<std::uint64_t>(std::clamp(std::ilogb(largest) / 2 + 8, 0, 15));
+    constexpr float kCells = 1048575.0f;
+    const Vec3 at = glm::clamp((box.center() / extent + 0.5f) * kCells, Vec3(0.0f), Vec3(kCells));
+    return size_class << 60 | spread_bits(static_cast<std::uint64_t>(at.z)) << 2 |
+           spread_bits(static_cast<std::uint64_t>(at.y)) << 1 | spread_bits(static_cast<std::uint64_t>(at.x));
+}
+
+std::vector<Item> sorted_items(const PlacedTriangles& triangles) {
     const std::size_t count = triangles.size();
     DBox3 bounds;
     for (std::uint32_t id = 0; id < count; ++id) bounds.add(triangles.corners(id)[0]);
-    middle = bounds.is_empty() ? DVec3(0.0) : bounds.center();
-    const DVec3 extent = bounds.is_empty() ? DVec3(1.0) : glm::max(bounds.extent(), DVec3(1e-6));
+    const DVec3 middle = bounds.is_empty() ? DVec3(0.0) : bounds.center();
+    const Vec3 extent = bounds.is_empty() ? Vec3(1.0f) : Vec3(glm::max(bounds.extent(), DVec3(1e-6)));
     std::vector<Item> items(count);
     std::vector<std::pair<std::uint64_t, std::uint32_t>> order(count);
     parallel_ranges(count, kGrain, [&](std::size_t begin, std::size_t end) {
@@ -145,16 +175,8 @@ std::vector<Item> sorted_items(const PlacedTriangles& triangles, DVec3& middle) 
             Item& item = items[i];
             item.id = id;
             item.unit_normal = length > 0.0 ? Vec3(area / length) : Vec3(0.0f);
-            DBox3 box;
-            for (const DVec3& p : corners) box.add(p - middle);
-            const DVec3 grown = DVec3(coincidence_tolerance(corners)) +
-                                1.2e-7 * glm::max(glm::abs(box.low), glm::abs(box.high));  // float32's rounding
-            item.box = {.low = Vec3(box.low - grown), .high = Vec3(box.high + grown)};
-            const DVec3 at = glm::clamp((box.center() / extent + 0.5) * 2097151.0, DVec3(0.0), DVec3(2097151.0));
-            order[i] = {spread_bits(static_cast<std::uint64_t>(at.x)) |
-                            spread_bits(static_cast<std::uint64_t>(at.y)) << 1 |
-                            spread_bits(static_cast<std::uint64_t>(at.z)) << 2,
-                        id};
+            if (length > 0.0) item.box = comparable_box(corners, item.unit_normal, middle);
+            order[i] = {length > 0.0 ? order_key(item.box, extent) : 0, id};
         }
     });
     oneapi::tbb::parallel_sort(order.begin(), order.end());
@@ -172,8 +194,7 @@ double coincidence_tolerance(const std::array<DVec3, 3>& corners) {
 }
 
 CoincidentPairs find_coincident_pairs(const PlacedTriangles& triangles) {
-    DVec3 middle;
-    const std::vector<Item> items = sorted_items(triangles, middle);
+    const std::vector<Item> items = sorted_items(triangles);
     const BoxTree tree(items);
     CoincidentPairs found;
     std::vector<std::vector<CoincidentPair>> parts((items.size() + kGrain - 1) / kGrain);
