@@ -19,7 +19,7 @@ namespace {
 using Corners = std::array<DVec3, 3>;
 
 constexpr std::size_t kGrain = 8192;
-constexpr std::size_t kLeaf = 4;  // triangles of a leaf
+constexpr std::size_t kLeaf = 8;  // triangles of a leaf
 constexpr std::uint32_t kMostPartners =
     1024;                             // of one triangle: keeps a heap of coplanar triangles from being quadratic
 constexpr float kParallel = 0.9999f;  // cosine; noise in a small triangle's corners turns its normal
@@ -264,9 +264,27 @@ struct SortedTriangles {
     }
 };
 
+/// Leaves of a bucket that meet one of its leaves, from that one on: items of a leaf are close, so they share a query.
+struct NearLeaves {
+    int bucket = -1;
+    std::size_t leaf = 0;
+    std::vector<std::size_t> leaves;
+
+    void look_from(const SortedTriangles& sorted, int at_bucket, std::size_t at_leaf) {
+        if (bucket == at_bucket && leaf == at_leaf) return;
+        bucket = at_bucket, leaf = at_leaf;
+        leaves.clear();
+        const BoxTree& tree = sorted.trees[bucket];
+        tree.query(tree.boxes[tree.leaf_count + leaf], leaf, [&](std::size_t met) {
+            leaves.push_back(met);
+            return true;
+        });
+    }
+};
+
 /// The partners of item i among those after it.
 void find_partners(const PlacedTriangles& triangles, const SortedTriangles& sorted, std::size_t i,
-                   std::vector<CoincidentPair>& pairs, bool& complete) {
+                   NearLeaves& near_leaves, std::vector<CoincidentPair>& pairs, bool& complete) {
     const Item& item = sorted.items[i];
     const Corners corners = triangles.corners(item.id);
     const double tolerance = coincidence_tolerance(corners);
@@ -285,16 +303,24 @@ void find_partners(const PlacedTriangles& triangles, const SortedTriangles& sort
         pairs.push_back(pair);
         ++partners;
     };
+    const auto visit_leaf = [&](int bucket, std::size_t leaf, const Box3& box) {
+        const std::size_t first = sorted.first[bucket], end = sorted.first[bucket + 1];
+        for (std::size_t j = std::max(i + 1, first + kLeaf * leaf); j < std::min(first + kLeaf * (leaf + 1), end); ++j)
+            visit_item(sorted.items[j], box);
+        return partners < kMostPartners;
+    };
     for_each_bucket_near(item.unit_normal, [&](int bucket) {
         if (sorted.first[bucket + 1] <= i + 1) return;  // all before
-        const std::span<const Item> items = sorted.in_bucket(bucket);
-        const Box3 box = bucket == own ? item.box : comparable_box(corners, sorted.frames[bucket], sorted.middle);
-        const std::size_t begin = bucket == own ? i + 1 - sorted.first[bucket] : 0;
-        sorted.trees[bucket].query(box, begin / kLeaf, [&](std::size_t leaf) {
-            for (std::size_t j = std::max(begin, kLeaf * leaf); j < std::min(kLeaf * (leaf + 1), items.size()); ++j)
-                visit_item(items[j], box);
-            return partners < kMostPartners;
-        });
+        if (bucket == own) {
+            near_leaves.look_from(sorted, own, (i - sorted.first[own]) / kLeaf);
+            for (const std::size_t leaf : near_leaves.leaves)
+                if (overlap(sorted.trees[own].boxes[sorted.trees[own].leaf_count + leaf], item.box) &&
+                    !visit_leaf(own, leaf, item.box))
+                    break;
+            return;
+        }
+        const Box3 box = comparable_box(corners, sorted.frames[bucket], sorted.middle);
+        sorted.trees[bucket].query(box, 0, [&](std::size_t leaf) { return visit_leaf(bucket, leaf, box); });
     });
     complete = complete && partners < kMostPartners;
 }
@@ -315,8 +341,9 @@ CoincidentPairs find_coincident_pairs(const PlacedTriangles& triangles) {
     std::atomic<bool> complete = true;
     parallel_for(parts.size(), [&](std::size_t part) {
         bool all = true;
+        NearLeaves near_leaves;
         for (std::size_t i = part * kPart; i < std::min((part + 1) * kPart, count); ++i)
-            find_partners(triangles, sorted, i, parts[part], all);
+            find_partners(triangles, sorted, i, near_leaves, parts[part], all);
         if (!all) complete = false;
     });
     CoincidentPairs found{.pairs = {}, .complete = complete};

@@ -26,7 +26,8 @@ struct CoincidentPairs {
 
 /// Finds all pairs. Neighbours that share an edge or a corner do not overlap: what counts is an overlap wider than a
 /// hundredth of the smaller triangle's least height. Triangles without area have no partners.
-/// Cost: a sweep through boxes in Morton order, about a second for two million triangles on one core.
+/// Cost: near linear; 1.4 microseconds a triangle on one core (330k triangles of foliage, houses and roads 0.45 s, 2.5
+/// million of a detailed town 3.8 s). Memory: about 100 bytes a triangle while it runs.
 /// Parallel inside; the result does not depend on the number of workers.
 [[nodiscard]] CoincidentPairs find_coincident_pairs(const PlacedTriangles& triangles);
 
