@@ -144,7 +144,7 @@ TEST_F(Assemble, meshes_placed_often_stay_instances_and_others_are_merged) {
     for (int i = 0; i < 2; ++i) {
         const scene::MeshSource copy = big;
         const auto first = static_cast<std::uint32_t>(big.positions.size());
-        for (const Vec3& p : copy.positions) big.positions.push_back(p + Vec3(0, 3, 0));
+        for (const Vec3& p : copy.positions) big.positions.push_back(p + Vec3(0, 3 * (i + 1), 0));
         for (const std::uint32_t index : copy.indices) big.indices.push_back(first + index);
         big.attributes.insert(big.attributes.end(), copy.attributes.begin(), copy.attributes.end());
         big.triangle_materials.insert(big.triangle_materials.end(), copy.triangle_materials.begin(),

@@ -78,7 +78,15 @@ Result<Assembly> assemble(WorldSource source, const AssembleSettings& settings, 
     out.environment = source.environment;
     out.environment.panorama = {};
     out.sky_panorama = std::move(source.sky_panorama);
-    FF_ASSIGN(const SortedPlacements sorted, sort_placements(source, settings));
+    FF_TRY(check_placements(source));
+    const std::uint64_t repeated = drop_repeated_placements(source);
+    const std::vector<bool> whole = find_whole_placements(source, settings);
+    assembly.coincident = resolve_coincident_surfaces(source, whole);
+    assembly.coincident.dropped_placements = repeated;
+    if (!assembly.coincident.complete)
+        context.warn(fmt::format("{}: too many triangles in one plane; some were not told apart", source.name));
+    context.end_stage("coincident");
+    FF_ASSIGN(const SortedPlacements sorted, sort_placements(source, whole));
     const std::vector<std::uint16_t> material_ids = add_materials(source, used_materials(source), out);
     source.textures = {};
     context.end_stage("mip-map textures");

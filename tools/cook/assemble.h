@@ -8,6 +8,7 @@
 
 #include "engine/core/result.h"
 #include "engine/scene/world.h"
+#include "tools/cook/coincident_surfaces.h"
 #include "tools/cook/cook_context.h"
 #include "tools/cook/world_source.h"
 
@@ -26,6 +27,7 @@ struct Assembly {
     scene::SceneData scene;  ///< finished
     scene::WorldInfo info;
     std::uint64_t dropped_triangles = 0;  ///< without area
+    CoincidentReport coincident;
 };
 
 /// Builds the scene. Static geometry goes to the cell in which the triangle's centroid lies, float32 relative to the

@@ -37,22 +37,37 @@ Status check_placement(const WorldSource& source, const Placement& placement) {
 
 }  // namespace
 
-Result<SortedPlacements> sort_placements(const WorldSource& source, const AssembleSettings& settings) {
+Status check_placements(const WorldSource& source) {
+    for (const Placement& placement : source.placements)
+        if (triangle_count(source, placement) > 0) FF_TRY(check_placement(source, placement));
+    return {};
+}
+
+std::vector<bool> find_whole_placements(const WorldSource& source, const AssembleSettings& settings) {
     std::vector<std::uint32_t> uses(source.meshes.size(), 0);
     for (const Placement& placement : source.placements)
         if (placement.kind != PlacementKind::merge) ++uses[placement.mesh];
+    std::vector<bool> whole;
+    for (const Placement& placement : source.placements) {
+        const bool merge_anyway =
+            uses[placement.mesh] == 1 || (triangle_count(source, placement) < settings.merge_instances_below &&
+                                          uses[placement.mesh] <= settings.merge_uses_up_to);
+        whole.push_back(placement.kind == PlacementKind::dynamic ||
+                        (placement.kind == PlacementKind::instance && !merge_anyway));
+    }
+    return whole;
+}
+
+Result<SortedPlacements> sort_placements(const WorldSource& source, const std::vector<bool>& whole) {
     SortedPlacements sorted;
     std::uint64_t triangles = 0;
     for (std::size_t i = 0; i < source.placements.size(); ++i) {
         const Placement& placement = source.placements[i];
         const std::size_t count = triangle_count(source, placement);
         if (count == 0) continue;
-        FF_TRY(check_placement(source, placement));
-        const bool merge_anyway = uses[placement.mesh] == 1 || (count < settings.merge_instances_below &&
-                                                                uses[placement.mesh] <= settings.merge_uses_up_to);
         if (placement.kind == PlacementKind::dynamic) {
             sorted.dynamic.push_back(static_cast<std::uint32_t>(i));
-        } else if (placement.kind == PlacementKind::instance && !merge_anyway) {
+        } else if (whole[i]) {
             sorted.instanced.push_back(static_cast<std::uint32_t>(i));
         } else {
             sorted.merged.push_back(static_cast<std::uint32_t>(i));

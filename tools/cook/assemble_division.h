@@ -23,8 +23,15 @@ struct CellDivision {
     std::vector<CellRange> cells;  ///< ranges of `ids`
 };
 
-/// Errors: a placement or a count that a world cannot have, see assemble().
-[[nodiscard]] Result<SortedPlacements> sort_placements(const WorldSource& source, const AssembleSettings& settings);
+/// Errors: a placement that a world cannot have, see assemble().
+[[nodiscard]] Status check_placements(const WorldSource& source);
+
+/// Which placements keep a mesh of their own: dynamic ones, and instances unless merging is cheaper. [placements]
+[[nodiscard]] std::vector<bool> find_whole_placements(const WorldSource& source, const AssembleSettings& settings);
+
+/// @param whole  find_whole_placements
+/// Errors: more triangles than a world can have.
+[[nodiscard]] Result<SortedPlacements> sort_placements(const WorldSource& source, const std::vector<bool>& whole);
 
 /// Every merged triangle goes where its centroid lies, every instance where its mesh's middle lies.
 /// @param geometry  hash_geometry; not read where the cache is off

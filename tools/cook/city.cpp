@@ -112,6 +112,7 @@ void add_city(const CitySettings& settings, const CityTextures& textures, const 
         Placement placement;
         placement.mesh = std::uint32_t(into.meshes.size());
         placement.position = block.origin;
+        placement.stands_clear = true;  // what shares a plane here is of one material, or under the ground
         into.meshes.push_back(std::move(block.mesh));
         into.placements.push_back(placement);
         site.blocks.push_back(in_world(block.ground));

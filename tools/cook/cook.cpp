@@ -51,6 +51,7 @@ void count_scene(const Assembly& assembly, CookReport& report) {
     for (const scene::DynamicInstance& instance : assembly.info.dynamic_instances)
         report.triangles_instanced += scene.meshes[instance.mesh].triangle_count;
     report.triangles_dropped = assembly.dropped_triangles;
+    report.coincident = assembly.coincident;
     report.vertices = scene.positions.size();
     report.textures = scene.textures.size();
     report.texels = scene.texels.size();
@@ -119,6 +120,10 @@ std::string CookReport::to_json() const {
     json["triangles"] = triangles_stored;
     json["instanced_triangles"] = triangles_instanced;
     json["dropped_triangles"] = triangles_dropped;
+    json["coincident"] = {{"dropped_triangles", coincident.dropped_triangles},
+                          {"separated_triangles", coincident.separated_triangles},
+                          {"dropped_placements", coincident.dropped_placements},
+                          {"moved_placements", coincident.moved_placements}};
     json["vertices"] = vertices;
     json["textures"] = textures;
     json["texels"] = texels;
@@ -141,11 +146,13 @@ std::string CookReport::to_json() const {
 std::string CookReport::to_text() const {
     std::string text = fmt::format(
         "{}: {} triangles stored, {} as drawn ({} without area left out), {} vertices, {} textures, {} materials\n"
+        "in one plane with others: {} triangles and {} placements dropped, {} and {} moved apart\n"
         "{} cells, {} meshes, {} instances, {} dynamic\n"
         "{:.1f} MB in, {:.1f} MB out, {:.2f} s, {:.1f} MB/s; cache: {} hits, {} misses\n",
-        pack, triangles_stored, triangles_instanced, triangles_dropped, vertices, textures, materials, cells, meshes,
-        instances, dynamic_instances, static_cast<double>(bytes_in) * 1e-6, static_cast<double>(bytes_out) * 1e-6,
-        seconds, megabytes_per_second(), cache_hits, cache_misses);
+        pack, triangles_stored, triangles_instanced, triangles_dropped, vertices, textures, materials,
+        coincident.dropped_triangles, coincident.dropped_placements, coincident.separated_triangles,
+        coincident.moved_placements, cells, meshes, instances, dynamic_instances, static_cast<double>(bytes_in) * 1e-6,
+        static_cast<double>(bytes_out) * 1e-6, seconds, megabytes_per_second(), cache_hits, cache_misses);
     for (const CookStage& stage : stages) text += fmt::format("  {:<14} {:7.2f} s\n", stage.name, stage.seconds);
     return text;
 }

@@ -28,6 +28,7 @@ struct CookReport {
     std::uint64_t triangles_stored = 0;     ///< in the pack
     std::uint64_t triangles_instanced = 0;  ///< as drawn: each instance counts
     std::uint64_t triangles_dropped = 0;    ///< degenerate
+    CoincidentReport coincident;
     std::uint64_t vertices = 0, textures = 0, texels = 0, materials = 0, meshes = 0, instances = 0, cells = 0;
     std::uint64_t dynamic_instances = 0;
     std::uint64_t bytes_in = 0, bytes_out = 0;

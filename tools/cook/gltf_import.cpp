@@ -176,12 +176,13 @@ Result<Model> import_gltf(const std::filesystem::path& path, WorldSource& into, 
 }
 
 void place_model(const Model& model, const DVec3& position, const DMat3& world_from_model, PlacementKind kind,
-                 WorldSource& into) {
+                 WorldSource& into, bool stands_clear) {
     for (const ModelPart& part : model.parts)
         into.placements.push_back({.mesh = part.mesh,
                                    .position = position + world_from_model * part.position,
                                    .world_from_mesh = Mat3(world_from_model * part.model_from_mesh),
-                                   .kind = kind});
+                                   .kind = kind,
+                                   .stands_clear = stands_clear});
 }
 
 }  // namespace ff::cook

@@ -134,7 +134,7 @@ void scatter(std::span<const Model> models, const ScatterRule& rule, const Groun
     for (const std::vector<Place>& row : rows)
         for (const Place& place : row)
             place_model(models[place.model], place.position, world_from_yaw(place.yaw, place.scale),
-                        PlacementKind::instance, world);
+                        PlacementKind::instance, world, true);
 }
 
 }  // namespace ff::cook

@@ -217,7 +217,7 @@ class SceneBuilder {
             const bool grown = prop.kind != Kind::street_lamp && prop.kind != Kind::bench;
             place_model(choice[place % choice.size()], prop.position,
                         world_from_yaw(prop.yaw_deg, grown ? 0.75 + 0.4 * hash_unit(place, 1) : 1.0),
-                        PlacementKind::instance, world_);
+                        PlacementKind::instance, world_, true);
         }
         return {};
     }

@@ -251,6 +251,7 @@ void Terrain::add_to(WorldSource& world, const Look& look, int chunk_samples) co
         Placement placement;
         placement.mesh = std::uint32_t(world.meshes.size());
         placement.position = origins[t];
+        placement.stands_clear = true;
         world.meshes.push_back(std::move(meshes[t]));
         world.placements.push_back(placement);
     }

@@ -36,6 +36,7 @@ struct Placement {
     DVec3 position{0.0};
     Mat3 world_from_mesh{1.0f};
     PlacementKind kind = PlacementKind::merge;
+    bool stands_clear = false;  ///< known to share no plane with others: the coincident surfaces' step passes it by
 };
 
 /// Frames of a camera path (formats.md, Walkthroughs).
