@@ -31,6 +31,11 @@ struct AlphaSurface {
 };
 
 /// @param instance_id  only names the hash; `instance` may be a dynamic one.
+/// @param corners      the triangle's, mesh space: casters have them at hand, and positions are seldom in the cache
+[[nodiscard]] AlphaSurface make_alpha_surface(const scene::StaticScene& scene, const scene::Instance& instance,
+                                              std::uint32_t instance_id, std::uint32_t triangle,
+                                              const Vec3 (&corners)[3]);
+/// The same with the corners from the scene.
 [[nodiscard]] AlphaSurface make_alpha_surface(const scene::StaticScene& scene, const scene::Instance& instance,
                                               std::uint32_t instance_id, std::uint32_t triangle);
 

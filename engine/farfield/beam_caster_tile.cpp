@@ -34,7 +34,11 @@ HWY_NOINLINE void draw_leaf(const scene::StaticScene& scene, const BvhLeaf& leaf
         const int i = std::countr_zero(bits);
         const std::uint32_t triangle = leaf.first_triangle + std::uint32_t(i);
         if (HWY_UNLIKELY((leaf.alpha_triangles >> i) & 1)) {
-            AlphaDraw alpha{scene, instance, triangle, pixel_angle, false, {}};
+            AlphaDraw alpha{scene, instance, triangle, pixel_angle, {}, false, {}};
+            for (int k = 0; k < 3; ++k) {
+                const int v = leaf.corner[k][i];
+                alpha.corners[k] = {leaf.x[v], leaf.y[v], leaf.z[v]};
+            }
             draw<true>(s, i, instance, triangle, tile, &alpha);
         } else {
             draw<false>(s, i, instance, triangle, tile, nullptr);

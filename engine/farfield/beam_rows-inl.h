@@ -25,6 +25,7 @@ struct AlphaDraw {
     const scene::StaticScene& scene;
     std::uint32_t instance, triangle;
     float pixel_angle;
+    Vec3 corners[3];  // mesh space
     bool is_known = false;
     AlphaSurface surface;
 };
@@ -56,7 +57,7 @@ HWY_INLINE VF threshold_of(std::uint32_t seed, VI x, VI y) {
 HWY_NOINLINE MF opaque_lanes(MF win, AlphaDraw& draw, const LeafScratch& s, int i, const VF (&e)[3], VF inverse_depth) {
     if (!draw.is_known) {
         const scene::Instance& instance = draw.scene.instances[draw.instance];
-        draw.surface = make_alpha_surface(draw.scene, instance, draw.instance, draw.triangle);
+        draw.surface = make_alpha_surface(draw.scene, instance, draw.instance, draw.triangle, draw.corners);
         draw.is_known = true;
     }
     const AlphaSurface& surface = draw.surface;

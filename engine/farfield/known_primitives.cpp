@@ -120,7 +120,9 @@ HWY_INLINE void draw_block(const scene::StaticScene& scene, std::span<const Prim
         const int i = std::countr_zero(bits);
         const PrimitiveId id = ids[std::size_t(i)];
         if ((block.alpha >> i) & 1) {
-            AlphaDraw alpha{scene, id.instance, id.triangle, pixel_angle, false, {}};
+            AlphaDraw alpha{scene, id.instance, id.triangle, pixel_angle, {}, false, {}};
+            for (int k = 0; k < 3; ++k)
+                alpha.corners[k] = {block.position[k][0][i], block.position[k][1][i], block.position[k][2][i]};
             draw<true>(s, i, id.instance, id.triangle, tile, &alpha);
         } else {
             draw<false>(s, i, id.instance, id.triangle, tile, nullptr);
