@@ -33,28 +33,34 @@ HWY_INLINE bool is_see_through(const scene::StaticScene& scene, const scene::Mes
     return (scene.materials[scene.triangle_materials[triangle]].flags & kSeeThrough) != 0;
 }
 
-// Transforms of the instance that came last: candidates of one instance mostly follow each other.
+// Transforms of the instances that came last: a tile's candidates alternate between a few.
 class InstanceLinears {
   public:
     InstanceLinears(const scene::StaticScene& scene, const BeamView& view, const TileRequest& tile)
         : scene_(scene), position_(view.view.position), tile_from_world_(view.tile_from_world(tile.x, tile.y)) {}
 
     const Linear (&of(std::uint32_t id))[3] {
-        if (id == id_) return xyw_;
+        Entry& entry = entries_[id % kEntries];
+        if (id == entry.instance) return entry.xyw;
         const scene::Instance& instance = scene_.instances[id];
         const DVec3 offset = instance.position - position_;
         for (int row = 0; row < 3; ++row)
-            xyw_[row] = linear_of(tile_from_world_, row, DMat3(instance.world_from_mesh), offset);
-        id_ = id;
-        return xyw_;
+            entry.xyw[row] = linear_of(tile_from_world_, row, DMat3(instance.world_from_mesh), offset);
+        entry.instance = id;
+        return entry.xyw;
     }
 
   private:
+    static constexpr std::uint32_t kEntries = 16;
+    struct Entry {
+        std::uint32_t instance = kSkyInstance;
+        Linear xyw[3]{};
+    };
+
     const scene::StaticScene& scene_;
     WorldPos position_;
     DMat3 tile_from_world_;
-    std::uint32_t id_ = kSkyInstance;
-    Linear xyw_[3]{};
+    Entry entries_[kEntries];
 };
 
 // Lanes beyond the last repeat it.
@@ -179,6 +185,7 @@ void PrimitiveSet::clear() {
 void PrimitiveSet::add(std::uint32_t instance, std::uint32_t triangle) {
     if (instance == kSkyInstance || count_ == kCapacity) return;
     const PrimitiveId id{instance, triangle};
+    if (count_ != 0 && ids_[count_ - 1] == id) return;
     const std::uint32_t hash = (instance * 0x9E3779B1u) ^ (triangle * 0x85EBCA77u);
     for (std::size_t slot = hash >> 21;; slot = (slot + 1) % slots_.size()) {
         if (slots_[slot] == 0) {

@@ -54,6 +54,21 @@ void visit_pixels(const TileRequest& tile, Visit&& visit) {
         for (std::uint32_t bits = tile.rows[j]; bits != 0; bits &= bits - 1) visit(j, std::countr_zero(bits));
 }
 
+/// A tile's walk costs nearly the same for one pixel as for all: where nothing but a few edges asks for it, they are
+/// verified instead.
+void verify_few(const TileRequest& wanted, int few, TileClasses& tile) {
+    int noise = 0;
+    bool must_cast = false;
+    visit_pixels(wanted, [&](int j, int i) {
+        const std::uint8_t c = tile.classes[std::size_t(j * kTileSize + i)];
+        noise += c == panorama::kClassNoise;
+        must_cast |= c >= panorama::kClassFirstStale;
+    });
+    if (must_cast || noise > few) return;
+    for (std::uint8_t& c : tile.classes)
+        if (c == panorama::kClassNoise) c = panorama::kClassEdge;
+}
+
 std::uint64_t count_wanted(const TileRequest& tile) {
     std::uint64_t count = 0;
     for (const std::uint16_t row : tile.rows) count += std::uint64_t(std::popcount(row));
@@ -83,6 +98,7 @@ PanoramaStats Panorama::lookup(const PinholeView& view, std::span<const TileRequ
             TileClasses& tile = s.classes[t];
             panorama::lookup_tile(job, wanted[t], tile);
             if (!tile.any) continue;
+            if (limits.edges == EdgeRule::verify) verify_few(wanted[t], s.settings.few_pixels, tile);
             visit_pixels(wanted[t], [&](int j, int i) { ++histogram[tile.classes[std::size_t(j * kTileSize + i)]]; });
         }
     });
