@@ -14,25 +14,16 @@
 #include <glm/matrix.hpp>
 #include <limits>
 
+#include "engine/farfield/alpha_test.h"
 #include "engine/farfield/beam_caster.h"
+#include "engine/farfield/beam_tile-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace ff::farfield::beam {
 namespace HWY_NAMESPACE {
 namespace {
 
-namespace hn = hwy::HWY_NAMESPACE;
-using scene::BvhLeaf;
-using scene::BvhNode;
-using scene::kBvhLeafBit;
-
-using F = hn::CappedTag<float, 16>;
-using VF = hn::Vec<F>;
-using MF = hn::Mask<F>;
-constexpr F f;
-constexpr int kLanes = int(hn::MaxLanes(f));
-constexpr float kBoxError = 5e-7f;
-constexpr int kStackEntries = 2048;  // see beam_caster_tile.cpp
+constexpr int kStackEntries = 2048;  // see beam_walk-inl.h
 
 struct StackEntry {
     float near;
@@ -67,12 +58,6 @@ LocalRay local_ray(const DVec3& origin, const DVec3& direction, const Vec3& reac
     ray.shear_y = ray.direction[ray.axis[1]] / longest;
     ray.shear_z = 1.0f / longest;
     return ray;
-}
-
-std::uint32_t bits_of(MF mask) {
-    std::uint8_t bytes[8] = {};
-    hn::StoreMaskBits(f, mask, bytes);
-    return kLanes > 8 ? std::uint32_t(bytes[0] | bytes[1] << 8) : std::uint32_t(bytes[0]);
 }
 
 std::uint32_t children_hit(const BvhNode& node, const LocalRay& ray, float far, float* near) {
