@@ -8,19 +8,19 @@
 namespace ff::shading {
 namespace {
 
-void store_int(float* record, int row, std::int32_t value) {
-    record[row * kBlock] = std::bit_cast<float>(value);
-}
+/// A texture's address and shape as records hold them; zeros where the material has none.
+struct TextureRows {
+    std::int32_t first_texel = 0;  ///< lanes without a texture still load texel 0 beside lanes with one
+    std::int32_t info = 0;
+    std::int32_t wraps = 0;  ///< kLaneWraps or nothing
+};
 
-/// Writes a texture's address; returns its info, or 0 where the material has none.
-std::int32_t store_texture(const scene::StaticScene& scene, std::uint32_t id, float* record, int texture_row) {
-    if (id == scene::kNoTexture) {
-        store_int(record, texture_row, 0);  // lanes without a texture still load texel 0 beside lanes with one
-        return 0;
-    }
+TextureRows texture_rows(const scene::StaticScene& scene, std::uint32_t id) {
+    if (id == scene::kNoTexture) return {};
     const scene::Texture& texture = scene.textures[id];
-    store_int(record, texture_row, std::int32_t(texel_indices_fit(scene) ? texture.first_texel : id));
-    return texture_info(texture) | kLaneTextured;
+    const std::int32_t info = texture_info(texture);
+    return {std::int32_t(texel_indices_fit(scene) ? texture.first_texel : id), info | kLaneTextured,
+            info & kAnyWrapBit ? kLaneWraps : 0};
 }
 
 /// Emissive factor times the mean of its texture.
@@ -50,7 +50,7 @@ void load_raw_block(const ShadeFrame& frame, const TriangleName* names, int coun
     const scene::Instance* instance = nullptr;
     const scene::Mesh* mesh = nullptr;
     Vec3 offset(0.0f);
-    for (int i = 0; i < count; ++i, ++record) {
+    for (int i = 0; i < count; ++i, record += kRecordFloats) {
         if (names[i].instance != last_instance) {
             last_instance = names[i].instance;
             instance = frame.instance(last_instance);
@@ -86,28 +86,30 @@ void load_raw_block(const ShadeFrame& frame, const TriangleName* names, int coun
             const Vec3 emissive = mean_emissive(scene, material);
             for (int k = 0; k < 3; ++k) raw.prelit_emissive[k][i] = emissive[k];
         }
-        if (needs.full && material.emissive != Vec3(0.0f)) {
-            bits |= kLaneEmissive;
-            const std::int32_t info = store_texture(scene, material.emissive_texture, record, kRowEmissiveTexture);
-            store_int(record, kRowEmissiveInfo, info);
-            raw.any_bits |= info & kAnyWrapBit;
-        }
         if (needs.full) {
-            for (int k = 0; k < 3; ++k) record[(kRowEmissive + k) * kBlock] = material.emissive[k];
+            TextureRows emissive;
+            if (material.emissive != Vec3(0.0f)) {
+                emissive = texture_rows(scene, material.emissive_texture);
+                bits |= kLaneEmissive | emissive.wraps;
+            }
+            raw.emissive_info[i] = emissive.info;
+            for (int k = 0; k < 3; ++k) record[kQuadEmissive + k] = material.emissive[k];
+            record[kQuadEmissive + 3] = std::bit_cast<float>(emissive.first_texel);
             if (raw.vertex_color[0][i] != raw.vertex_color[1][i] || raw.vertex_color[0][i] != raw.vertex_color[2][i])
                 bits |= kLaneVertexColor;
             if (!unlit && (material.flags & scene::kMaterialSpecular)) {
-                bits |= kLaneSpecular | kLanePixelLit;
-                record[kRowMetallic * kBlock] = material.metallic;
-                record[kRowRoughness * kBlock] = material.roughness;
-                const std::int32_t info =
-                    store_texture(scene, material.metallic_roughness_texture, record, kRowRoughnessTexture);
-                store_int(record, kRowRoughnessInfo, info);
-                raw.any_bits |= info & kAnyWrapBit;
+                const TextureRows map = texture_rows(scene, material.metallic_roughness_texture);
+                bits |= kLaneSpecular | kLanePixelLit | map.wraps;
+                record[kQuadSpecular] = material.metallic;
+                record[kQuadSpecular + 1] = material.roughness;
+                record[kQuadSpecular + 2] = std::bit_cast<float>(map.info);
+                record[kQuadSpecular + 3] = std::bit_cast<float>(map.first_texel);
             } else if (!unlit && (normal_bits[0] != normal_bits[1] || normal_bits[0] != normal_bits[2])) {
                 bits |= kLanePixelLit;
             }
-            bits |= store_texture(scene, material.base_color_texture, record, kRowTexture);
+            const TextureRows base = texture_rows(scene, material.base_color_texture);
+            bits |= base.info | base.wraps;
+            raw.texture[i] = base.first_texel;
             for (int k = 0; k < 3; ++k) raw.color[k][i] = material.base_color[k];
         }
         raw.info[i] = bits;

@@ -17,6 +17,8 @@ struct alignas(64) RawBlock {
     std::uint32_t vertex_color[3][kBlock];  ///< RGBA8 linear
     float color[3][kBlock];                 ///< material's base colour
     std::int32_t info[kBlock];              ///< kRowInfo
+    std::int32_t texture[kBlock];           ///< kRowTexture
+    std::int32_t emissive_info[kBlock];     ///< kRowEmissiveInfo
     std::uint32_t prelit[kBlock];           ///< mean base colour, RGBA8 linear
     float prelit_emissive[3][kBlock];
     std::int32_t any_bits;  ///< union of info's lane bits
@@ -28,7 +30,7 @@ struct TileNeeds {
     bool prelit = false;  ///< some pixel is beyond ShadeSettings::prelit_beyond_m
 };
 
-/// Loads names [first, first + count), count <= 16, and writes the rows of their records that need no arithmetic.
+/// Loads names [first, first + count), count <= 16, and writes the quads of their records that need no arithmetic.
 void load_raw_block(const ShadeFrame& frame, const TriangleName* names, int count, TileNeeds needs, RawBlock& raw,
                     float* record);
 

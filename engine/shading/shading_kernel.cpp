@@ -23,23 +23,33 @@ namespace ff::shading::HWY_NAMESPACE {
 /// The records of a vector's pixels: one for all lanes, or one per lane.
 template <bool kOneTriangle>
 struct Records {
-    const float* base;
-    VI offset;
+    const float* base;           ///< the record of lane 0; else of offset 0
+    const std::int32_t* offset;  ///< per lane, from base
 
-    HWY_INLINE VF row(int index) const {
-        if constexpr (kOneTriangle) return hn::Set(df, base[index * kBlock]);
-        return hn::GatherIndex(df, base + index * kBlock, offset);
+    HWY_INLINE Quad quad(int row) const {
+        if constexpr (kOneTriangle) {
+            const float* at = base + row;
+            return {splat(at[0]), splat(at[1]), splat(at[2]), splat(at[3])};
+        }
+        return load_quad(base + row, offset);
     }
-    HWY_INLINE VI int_row(int index) const { return hn::BitCast(di, row(index)); }
-    /// row * u + (row + 1) * v + (row + 2)
-    HWY_INLINE VF affine(int index, VF u, VF v) const {
-        return hn::MulAdd(row(index), u, hn::MulAdd(row(index + 1), v, row(index + 2)));
+    /// Union of the lanes' kRowInfo.
+    HWY_INLINE std::int32_t info_bits() const {
+        const auto of = [&](std::int32_t at) { return std::bit_cast<std::int32_t>(base[at + kRowInfo]); };
+        if constexpr (kOneTriangle) return of(0);
+        std::int32_t bits = 0;
+        for (std::size_t lane = 0; lane < hn::Lanes(df); ++lane) bits |= of(offset[lane]);
+        return bits;
     }
-    HWY_INLINE VF interpolated(int index, VF b1, VF b2) const {
-        return hn::MulAdd(row(index + 1), b1, hn::MulAdd(row(index + 2), b2, row(index)));
-    }
-    HWY_INLINE Rgb rgb(int index) const { return {row(index), row(index + 1), row(index + 2)}; }
 };
+
+/// a * u + b * v + c
+HWY_INLINE VF affine(const Quad& q, VF u, VF v) {
+    return hn::MulAdd(q.a, u, hn::MulAdd(q.b, v, q.c));
+}
+HWY_INLINE VF interpolated(const Quad& q, VF b1, VF b2) {
+    return hn::MulAdd(q.b, b1, hn::MulAdd(q.c, b2, q.a));
+}
 
 HWY_INLINE MF has_bit(VI info, std::int32_t bit) {
     return hn::RebindMask(df, hn::TestBit(info, hn::Set(di, bit)));
@@ -133,52 +143,49 @@ HWY_INLINE Rgb specular_surface(const ShadingUniforms& uniforms, const Surface& 
 }
 
 /// Linear colour of the pixels of a vector before fog.
-/// @param bits  union of the lanes' info bits; may hold more than they have
 template <bool kOneTriangle>
-HWY_INLINE Rgb shade_surface(const ShadeFrame& frame, const Records<kOneTriangle>& records, std::int32_t bits,
-                             const Rays& rays) {
+HWY_INLINE Rgb shade_surface(const ShadeFrame& frame, const Records<kOneTriangle>& records, const Rays& rays) {
+    const std::int32_t bits = records.info_bits();
     const ShadingUniforms& uniforms = frame.uniforms;
-    const VF s = records.affine(kRowS, rays.u, rays.v);
+    const Quad quad_s = records.quad(kQuadS);
+    const VF s = affine(quad_s, rays.u, rays.v);
     // Edge on or degenerate: any point of the triangle will do.
     const VF safe = hn::IfThenElse(hn::Lt(hn::Abs(s), splat(1e-12f)), splat(1e-12f), s);
     const VF inverse = hn::Div(splat(1.0f), safe);
-    const bool varies = bits & (kLaneTextured | kLanePixelLit | kLaneVertexColor | kLaneEmissive);
-    VF b1 = hn::Zero(df), b2 = hn::Zero(df), footprint = hn::Zero(df);
-    if (varies) {
-        b1 = clamp01(hn::Mul(records.affine(kRowW1, rays.u, rays.v), inverse));
-        b2 = clamp01(hn::Mul(records.affine(kRowW2, rays.u, rays.v), inverse));
-    }
-    const VI info = records.int_row(kRowInfo);
-    const bool all_repeat = !(bits & kAnyWrapBit);
-    VF u = hn::Zero(df), v = hn::Zero(df);
+    const Quad quad1 = records.quad(kQuadW1), quad2 = records.quad(kQuadW2);
+    const VF b1 = clamp01(hn::Mul(affine(quad1, rays.u, rays.v), inverse));
+    const VF b2 = clamp01(hn::Mul(affine(quad2, rays.u, rays.v), inverse));
+    const VI info = hn::BitCast(di, quad1.d), texture = hn::BitCast(di, quad2.d);
+    const bool all_repeat = !(bits & kLaneWraps);
+    VF u = hn::Zero(df), v = hn::Zero(df), footprint = hn::Zero(df);
 
-    Rgb color = records.rgb(kRowColor);
+    const Quad quad_color = records.quad(kQuadColor);
+    Rgb color = {quad_color.a, quad_color.b, quad_color.c};
     if (bits & kLaneVertexColor) {
-        const Rgb vertex_color = {records.interpolated(kRowVertexColor, b1, b2),
-                                  records.interpolated(kRowVertexColor + 3, b1, b2),
-                                  records.interpolated(kRowVertexColor + 6, b1, b2)};
+        const Rgb vertex_color = {interpolated(records.quad(kQuadVertexRed), b1, b2),
+                                  interpolated(records.quad(kQuadVertexGreen), b1, b2),
+                                  interpolated(records.quad(kQuadVertexBlue), b1, b2)};
         color = select(has_bit(info, kLaneVertexColor), multiply(color, vertex_color), color);
     }
     if (bits & (kLaneTextured | kLaneEmissive | kLaneSpecular)) {
-        u = records.interpolated(kRowU, b1, b2);
-        v = records.interpolated(kRowV, b1, b2);
+        u = interpolated(records.quad(kQuadU), b1, b2);
+        v = interpolated(records.quad(kQuadV), b1, b2);
         const VF inverse2 = hn::Mul(inverse, inverse);
         // Between the cone's long axis (S^-4, blurs walls seen along a street) and its area (S^-3, shimmers there).
-        footprint = hn::Mul(hn::Mul(records.row(kRowFootprint), rays.length_squared),
+        footprint = hn::Mul(hn::Mul(quad_s.d, rays.length_squared),
                             hn::Mul(hn::Mul(inverse2, inverse2), hn::Sqrt(hn::Abs(safe))));
     }
     if (bits & kLaneTextured) {
-        const Rgb texel = decode_srgb(
-            sample_lanes<kOneTriangle>(frame.scene, records.int_row(kRowTexture), info, u, v, footprint, all_repeat));
+        const Rgb texel =
+            decode_srgb(sample_lanes<kOneTriangle>(frame.scene, texture, info, u, v, footprint, all_repeat));
         const Rgb textured = multiply(color, texel);
         color = kOneTriangle ? textured : select(has_bit(info, kLaneTextured), textured, color);
     }
     const MF unlit = has_bit(info, kLaneUnlit);
     if (bits & kLanePixelLit) {
-        V3 n = {records.interpolated(kRowNormal, b1, b2), records.interpolated(kRowNormal + 3, b1, b2),
-                records.interpolated(kRowNormal + 6, b1, b2)};
-        n = normalized(n);
-        const VF turn = hn::And(records.interpolated(kRowFacing, b1, b2), hn::SignBit(df));
+        const Quad nx = records.quad(kQuadNormalX), ny = records.quad(kQuadNormalY), nz = records.quad(kQuadNormalZ);
+        V3 n = normalized({interpolated(nx, b1, b2), interpolated(ny, b1, b2), interpolated(nz, b1, b2)});
+        const VF turn = hn::And(interpolated({nx.d, ny.d, nz.d, nz.d}, b1, b2), hn::SignBit(df));
         n = {hn::Xor(n.x, turn), hn::Xor(n.y, turn), hn::Xor(n.z, turn)};
         const Rgb light = diffuse_light(uniforms, n.y, dot(n, broadcast(Vec3(uniforms.to_sun))));
         Rgb lit = multiply(color, light);
@@ -187,14 +194,15 @@ HWY_INLINE Rgb shade_surface(const ShadeFrame& frame, const Records<kOneTriangle
             surface.normal = n;
             surface.to_eye = scale(splat(-1.0f), rays.unit_directions(frame.view));
             surface.color = color;
-            surface.metallic = records.row(kRowMetallic);
-            surface.roughness = records.row(kRowRoughness);
+            const Quad quad_specular = records.quad(kQuadSpecular);
+            surface.metallic = quad_specular.a;
+            surface.roughness = quad_specular.b;
             const MF specular = has_bit(info, kLaneSpecular);
-            const VI map_info = records.int_row(kRowRoughnessInfo);
+            const VI map_info = hn::BitCast(di, quad_specular.c);
             const MF mapped = hn::And(specular, has_bit(map_info, kLaneTextured));
             if (!hn::AllFalse(df, mapped)) {  // glTF: roughness in green, metallic in blue, both linear
                 const VI map_lanes = hn::IfThenElseZero(hn::RebindMask(di, mapped), map_info);
-                const VI map = hn::IfThenElseZero(hn::RebindMask(di, mapped), records.int_row(kRowRoughnessTexture));
+                const VI map = hn::IfThenElseZero(hn::RebindMask(di, mapped), hn::BitCast(di, quad_specular.d));
                 const Rgb texel = sample_lanes<kOneTriangle>(frame.scene, map, map_lanes, u, v, footprint, all_repeat);
                 surface.roughness = hn::IfThenElse(mapped, hn::Mul(surface.roughness, texel.g), surface.roughness);
                 surface.metallic = hn::IfThenElse(mapped, hn::Mul(surface.metallic, texel.b), surface.metallic);
@@ -204,12 +212,13 @@ HWY_INLINE Rgb shade_surface(const ShadeFrame& frame, const Records<kOneTriangle
         color = kOneTriangle ? lit : select(has_bit(info, kLanePixelLit), lit, color);
     }
     if (bits & kLaneEmissive) {
-        Rgb emissive = records.rgb(kRowEmissive);
-        const VI map_info = records.int_row(kRowEmissiveInfo);
+        const Quad quad_emissive = records.quad(kQuadEmissive);
+        Rgb emissive = {quad_emissive.a, quad_emissive.b, quad_emissive.c};
+        const VI map_info = hn::BitCast(di, quad_color.d);
         const MF mapped = hn::And(has_bit(info, kLaneEmissive), has_bit(map_info, kLaneTextured));
         if (!hn::AllFalse(df, mapped)) {
             const VI map_lanes = hn::IfThenElseZero(hn::RebindMask(di, mapped), map_info);
-            const VI map = hn::IfThenElseZero(hn::RebindMask(di, mapped), records.int_row(kRowEmissiveTexture));
+            const VI map = hn::IfThenElseZero(hn::RebindMask(di, mapped), hn::BitCast(di, quad_emissive.d));
             const Rgb texel =
                 decode_srgb(sample_lanes<kOneTriangle>(frame.scene, map, map_lanes, u, v, footprint, all_repeat));
             emissive = select(mapped, multiply(emissive, texel), emissive);
@@ -220,21 +229,18 @@ HWY_INLINE Rgb shade_surface(const ShadeFrame& frame, const Records<kOneTriangle
     return select(unlit, color, soft_clip(color));
 }
 
-/// The set-up of a tile's triangles; returns the union of their info bits.
-std::int32_t set_up_triangles(const ShadeFrame& frame, TileNeeds needs, RawBlock& raw, TileScratch& scratch) {
-    std::int32_t bits = 0;
+/// The set-up of a tile's triangles.
+void set_up_triangles(const ShadeFrame& frame, TileNeeds needs, RawBlock& raw, TileScratch& scratch) {
     prefetch_vertices(frame, scratch.names, scratch.count);
     for (int first = 0; first < scratch.count; first += kBlock) {
         const int count = std::min(kBlock, scratch.count - first);
         float* record = scratch.records + record_offset(first);
         load_raw_block(frame, scratch.names + first, count, needs, raw, record);
         for (int lane = 0; lane < count; lane += int(hn::Lanes(df))) {
-            if (needs.full) set_up_full(frame, raw, lane, record + lane);
-            if (needs.prelit) set_up_prelit(frame, raw, lane, record + lane);
+            if (needs.full) set_up_full(frame, raw, lane, record + lane * kRecordFloats);
+            if (needs.prelit) set_up_prelit(frame, raw, lane, record + lane * kRecordFloats);
         }
-        bits |= raw.any_bits;
     }
-    return bits;
 }
 
 TileNeeds needs_of_tile(const ShadeFrame& frame, int x, int y) {
@@ -269,7 +275,7 @@ std::uint64_t shade_tile(const ShadeFrame& frame, const farfield::TileRequest& t
 
     collect_triangles(frame, x0, y0, rows, scratch);
     const TileNeeds needs = needs_of_tile(frame, x0, y0);
-    const std::int32_t tile_bits = set_up_triangles(frame, needs, raw, scratch);
+    set_up_triangles(frame, needs, raw, scratch);
 
     const int lanes = int(hn::Lanes(df));
     const std::uint32_t lane_bits = lanes == 32 ? 0xFFFFFFFFu : (1u << lanes) - 1u;
@@ -289,7 +295,7 @@ std::uint64_t shade_tile(const ShadeFrame& frame, const farfield::TileRequest& t
 
             const std::int32_t* offsets = scratch.offset + j * farfield::kTileSize + i;
             const VI offset = hn::Load(di, offsets);
-            const auto is_sky = hn::RebindMask(df, hn::Lt(offset, hn::Zero(di)));
+            const auto is_sky = hn::RebindMask(df, hn::Eq(offset, hn::Set(di, kSkyOffset)));
             Rgb color;
             if (hn::AllTrue(df, is_sky)) {
                 const V3 d = rays.unit_directions(view);
@@ -297,19 +303,18 @@ std::uint64_t shade_tile(const ShadeFrame& frame, const farfield::TileRequest& t
             } else {
                 const VF depth = hn::LoadU(df, frame.visibility.depth.data() + first + i);
                 const bool one_triangle = hn::AllTrue(di, hn::Eq(offset, hn::Set(di, offsets[0])));
-                const Records<true> one = {scratch.records + std::max(offsets[0], 0), offset};
-                const Records<false> many = {scratch.records, hn::Max(offset, hn::Zero(di))};
+                const Records<true> one = {scratch.records + offsets[0], nullptr};
+                const Records<false> many = {scratch.records, offsets};
                 const MF far = hn::Gt(depth, prelit_beyond);
                 const bool any_far = needs.prelit && !hn::AllFalse(df, far);
                 color = {hn::Zero(df), hn::Zero(df), hn::Zero(df)};
                 if (!any_far || !hn::AllTrue(df, hn::Or(far, is_sky)))
-                    color = one_triangle
-                                ? shade_surface<true>(frame, one,
-                                                      std::bit_cast<std::int32_t>(one.base[kRowInfo * kBlock]) |
-                                                          (tile_bits & kAnyWrapBit),
-                                                      rays)
-                                : shade_surface<false>(frame, many, tile_bits, rays);
-                if (any_far) color = select(far, one_triangle ? one.rgb(kRowPrelit) : many.rgb(kRowPrelit), color);
+                    color =
+                        one_triangle ? shade_surface<true>(frame, one, rays) : shade_surface<false>(frame, many, rays);
+                if (any_far) {
+                    const Quad prelit = one_triangle ? one.quad(kQuadPrelit) : many.quad(kQuadPrelit);
+                    color = select(far, {prelit.a, prelit.b, prelit.c}, color);
+                }
                 if (has_fog) {
                     const VF distance = hn::Mul(depth, hn::Sqrt(rays.length_squared));
                     const VF clear = exp_negative(hn::Mul(distance, splat(frame.uniforms.to_sun.w)));

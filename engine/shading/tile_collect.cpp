@@ -6,7 +6,6 @@ namespace ff::shading {
 namespace {
 
 constexpr int kSize = farfield::kTileSize;
-constexpr std::int32_t kSkyOffset = -1;
 
 /// Record offset of a triangle, which becomes the tile's next one if it is new.
 std::int32_t find_or_add(const ShadeFrame& frame, std::uint32_t instance_id, std::uint32_t triangle,

@@ -1,8 +1,8 @@
 #pragma once
 // What the shading of one 16 x 16 tile needs of each triangle that it sees, set up once per tile and triangle.
 //
-// Records are blocks of 16 triangles, structure of arrays: the set-up writes them with vectors, a row of pixels that
-// sees one triangle broadcasts from them, and a row that sees many gathers from memory that is still in L1.
+// Records are arrays of structures, in quads of four rows: a vector of pixels that see one triangle broadcasts from its
+// record, one that sees several loads the quad of each and transposes, which costs a quarter of gathering the rows.
 
 #include <cstdint>
 
@@ -11,59 +11,64 @@
 namespace ff::shading {
 
 inline constexpr int kTilePixels = farfield::kTileSize * farfield::kTileSize;
-inline constexpr int kBlock = 16;  ///< triangles a block
+inline constexpr int kBlock = 16;  ///< triangles that are read and set up together
 
-/// Rows of a block. "Affine" rows are three: factors of the ray's u and v, and a constant.
+/// First rows of the quads of a record, and single rows that fill a quad's last place. "Affine" rows are three: factors
+/// of the ray's u and v, and a constant. "Corners" are three: the value at corner 0, its changes to corners 1 and 2.
 enum Row : int {
-    kRowW1 = 0,            ///< affine: barycentric of corner 1, times S
-    kRowW2 = 3,            ///< affine: of corner 2, times S
-    kRowS = 6,             ///< affine: ray direction on the triangle's unit normal
-    kRowU = 9,             ///< texture u at corner 0, and its change to corners 1 and 2
-    kRowV = 12,            //
-    kRowColor = 15,        ///< RGB factor: material, times vertex colour if constant, times light if constant
-    kRowFootprint = 18,    ///< uv area a pixel covers = this * (1 + u^2 + v^2) / |S|^3.5
-    kRowInfo = 19,         ///< int: texture_info of the base colour, and the lane bits below
-    kRowTexture = 20,      ///< int: its first texel
-    kRowEmissive = 21,     ///< RGB
-    kRowNormal = 24,       ///< x, y, z each: at corner 0, changes to 1 and 2; world, any length
-    kRowFacing = 33,       ///< likewise: the normal on the side that faces the viewer
-    kRowVertexColor = 36,  ///< r, g, b each: at corner 0, changes to 1 and 2
-    kRowMetallic = 45,
-    kRowRoughness = 46,
-    kRowEmissiveInfo = 47,      ///< int
-    kRowEmissiveTexture = 48,   ///< int
-    kRowRoughnessInfo = 49,     ///< int: of the metallic-roughness texture
-    kRowRoughnessTexture = 50,  ///< int
-    kRowPrelit = 51,            ///< RGB, lit
-    kRowCount = 54
+    kQuadS = 0,             ///< affine: ray direction on the triangle's unit normal
+    kRowFootprint = 3,      ///< uv area a pixel covers = this * (1 + u^2 + v^2) / |S|^3.5
+    kQuadW1 = 4,            ///< affine: barycentric of corner 1, times S
+    kRowInfo = 7,           ///< int: texture_info of the base colour, and the lane bits below
+    kQuadW2 = 8,            ///< affine: of corner 2, times S
+    kRowTexture = 11,       ///< int: base colour's first texel
+    kQuadU = 12,            ///< corners: texture u
+    kQuadV = 16,            ///< corners: texture v
+    kQuadColor = 20,        ///< RGB factor: material, times vertex colour if constant, times light if constant
+    kRowEmissiveInfo = 23,  ///< int
+    kQuadNormalX = 24,      ///< corners: normal in the world, any length; the last places are the corners of the
+    kQuadNormalY = 28,      ///< normal on the side that faces the viewer
+    kQuadNormalZ = 32,      //
+    kQuadVertexRed = 36,    ///< corners
+    kQuadVertexGreen = 40,  //
+    kQuadVertexBlue = 44,   //
+    kQuadEmissive = 48,     ///< RGB, and int: its texture's first texel
+    kQuadSpecular = 52,     ///< metallic, roughness, and int: info and first texel of their texture
+    kQuadPrelit = 56,       ///< RGB, lit
+    kRecordFloats = 60
 };
-inline constexpr int kBlockFloats = kRowCount * kBlock;
 
-// Lane bits of kRowInfo and the emissive and roughness infos, above texture_info's. The sign bit stays free.
+// Lane bits of the infos, above texture_info's. The sign bit stays free.
 inline constexpr std::int32_t kLaneTextured = 1 << 12;
 inline constexpr std::int32_t kLaneUnlit = 1 << 13;
 inline constexpr std::int32_t kLanePixelLit = 1 << 14;     ///< light depends on the pixel
 inline constexpr std::int32_t kLaneVertexColor = 1 << 15;  ///< colour differs between corners
 inline constexpr std::int32_t kLaneSpecular = 1 << 16;
 inline constexpr std::int32_t kLaneEmissive = 1 << 17;
+inline constexpr std::int32_t kLaneWraps = 1 << 18;  ///< some texture of it clamps or mirrors
 
 /// One triangle as named by the visibility buffer.
 struct TriangleName {
     std::uint32_t instance, triangle;
 };
 
-/// Scratch of one worker, reused from tile to tile. 64 KiB.
-struct TileScratch {
-    alignas(64) float records[kTilePixels / kBlock * kBlockFloats];
-    alignas(64) std::int32_t offset[kTilePixels];  ///< per pixel: float offset of its record; -1: sky
-    TriangleName names[kTilePixels];               ///< unique triangles of the tile, in order of appearance
-    std::uint16_t table[512];                      ///< open addressing: index of a name + 1
-    int count = 0;                                 ///< of names
-};
-
-/// Float offset of a record's row 0.
+/// Float offset of a record. The last one is of the sky: all zero.
 [[nodiscard]] inline constexpr std::int32_t record_offset(int index) {
-    return index / kBlock * kBlockFloats + index % kBlock;
+    return index * kRecordFloats;
 }
+inline constexpr std::int32_t kSkyOffset = record_offset(kTilePixels);
+
+/// Scratch of one worker, reused from tile to tile. 66 KiB.
+struct TileScratch {
+    alignas(64) float records[kSkyOffset + kRecordFloats];
+    alignas(64) std::int32_t offset[kTilePixels + farfield::kTileSize];  ///< per pixel, of its record; a row to spare
+    TriangleName names[kTilePixels];  ///< unique triangles of the tile, in order of appearance
+    std::uint16_t table[512];         ///< open addressing: index of a name + 1
+    int count = 0;                    ///< of names
+
+    TileScratch() {
+        for (int row = 0; row < kRecordFloats; ++row) records[kSkyOffset + row] = 0.0f;
+    }
+};
 
 }  // namespace ff::shading

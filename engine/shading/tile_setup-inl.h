@@ -9,6 +9,7 @@
 
 #include "engine/shading/raw_block.h"
 #include "engine/shading/simd_color-inl.h"
+#include "engine/shading/simd_quads-inl.h"
 #include "engine/shading/tile_records.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -74,20 +75,6 @@ HWY_INLINE Rgb unpack_color(VU rgba) {
     return {channel(rgba), channel(hn::ShiftRight<8>(rgba)), channel(hn::ShiftRight<16>(rgba))};
 }
 
-HWY_INLINE void store_row(float* record, int row, VF value) {
-    hn::Store(value, df, record + row * kBlock);
-}
-HWY_INLINE void store_rgb(float* record, int row, const Rgb& value) {
-    store_row(record, row, value.r);
-    store_row(record, row + 1, value.g);
-    store_row(record, row + 2, value.b);
-}
-HWY_INLINE void store_corners(float* record, int row, VF at0, VF at1, VF at2) {
-    store_row(record, row, at0);
-    store_row(record, row + 1, hn::Sub(at1, at0));
-    store_row(record, row + 2, hn::Sub(at2, at0));
-}
-
 /// Columns of the cofactor matrix: takes normals to the world, up to a factor that normalising removes.
 struct NormalTransform {
     V3 a, b, c;
@@ -108,7 +95,7 @@ HWY_INLINE V3 world_position(const RawBlock& raw, int corner, int lane) {
     return {hn::Add(p.x, offset.x), hn::Add(p.y, offset.y), hn::Add(p.z, offset.z)};
 }
 
-/// The rows of the full model, for the triangles [lane, lane + Lanes) of a block.
+/// The quads of the full model, for the triangles [lane, lane + Lanes) of a block.
 HWY_INLINE void set_up_full(const ShadeFrame& frame, const RawBlock& raw, int lane, float* record) {
     const ShadingUniforms& uniforms = frame.uniforms;
     const V3 p0 = world_position(raw, 0, lane);
@@ -122,34 +109,27 @@ HWY_INLINE void set_up_full(const ShadeFrame& frame, const RawBlock& raw, int la
     const V3 unit = scale(inverse, normal);
     const V3 right = broadcast(frame.view.world_from_camera[0]), up = broadcast(frame.view.world_from_camera[1]);
     const V3 ahead = broadcast(-frame.view.world_from_camera[2]);
-    const auto store_affine = [&](int row, const V3& c) HWY_ATTR {
-        store_row(record, row, dot(c, right));
-        store_row(record, row + 1, dot(c, up));
-        store_row(record, row + 2, dot(c, ahead));
+    const auto store_affine = [&](int row, const V3& c, VF last) HWY_ATTR {
+        store_quad(record, row, {dot(c, right), dot(c, up), dot(c, ahead), last});
     };
-    store_affine(kRowW1, scale(inverse, cross(e2, p0)));
-    store_affine(kRowW2, scale(inverse, cross(p0, e1)));
-    store_affine(kRowS, unit);
+    const VI info = hn::Load(di, raw.info + lane);
+    store_affine(kQuadW1, scale(inverse, cross(e2, p0)), hn::BitCast(df, info));
+    store_affine(kQuadW2, scale(inverse, cross(p0, e1)), hn::BitCast(df, hn::Load(di, raw.texture + lane)));
     const VF plane = dot(unit, p0);  // signed distance of the plane: depth = plane / S
 
-    const VI info = hn::Load(di, raw.info + lane);
     const auto has = [&](std::int32_t bit) HWY_ATTR { return hn::RebindMask(df, hn::TestBit(info, hn::Set(di, bit))); };
-    hn::Store(info, di, reinterpret_cast<std::int32_t*>(record + kRowInfo * kBlock));
 
     // Texture coordinates, and the uv area under a pixel: a pixel's cone is depth * pixel_angle wide and meets the
     // plane at |cos| = |S| / |d|.
     const VF u0 = hn::Load(df, raw.uv[0] + lane), v0 = hn::Load(df, raw.uv[1] + lane);
     const VF du1 = hn::Sub(hn::Load(df, raw.uv[2] + lane), u0), dv1 = hn::Sub(hn::Load(df, raw.uv[3] + lane), v0);
     const VF du2 = hn::Sub(hn::Load(df, raw.uv[4] + lane), u0), dv2 = hn::Sub(hn::Load(df, raw.uv[5] + lane), v0);
-    store_row(record, kRowU, u0);
-    store_row(record, kRowU + 1, du1);
-    store_row(record, kRowU + 2, du2);
-    store_row(record, kRowV, v0);
-    store_row(record, kRowV + 1, dv1);
-    store_row(record, kRowV + 2, dv2);
+    const VF zero = hn::Zero(df);
+    store_quad(record, kQuadU, {u0, du1, du2, zero});
+    store_quad(record, kQuadV, {v0, dv1, dv2, zero});
     const VF uv_area = hn::Abs(hn::Sub(hn::Mul(du1, dv2), hn::Mul(du2, dv1)));
     const VF density = hn::Mul(uv_area, inverse);
-    store_row(record, kRowFootprint, hn::Mul(hn::Mul(plane, plane), hn::Mul(density, splat(uniforms.sun_radiance.w))));
+    store_affine(kQuadS, unit, hn::Mul(hn::Mul(plane, plane), hn::Mul(density, splat(uniforms.sun_radiance.w))));
 
     // The side of the plane that the viewer sees; normals turn to it.
     const VF flip_facing = hn::Xor(hn::And(plane, hn::SignBit(df)), hn::SignBit(df));  // plane < 0: it faces already
@@ -167,15 +147,17 @@ HWY_INLINE void set_up_full(const ShadeFrame& frame, const RawBlock& raw, int la
     const V3 to_sun = broadcast(Vec3(uniforms.to_sun));
     const Rgb light = diffuse_light(uniforms, hn::Xor(flat.y, turn), hn::Xor(dot(flat, to_sun), turn));
     const MF constant_light = hn::Not(hn::Or(has(kLanePixelLit), has(kLaneUnlit)));
-    store_rgb(record, kRowColor, select(constant_light, multiply(color, light), color));
+    color = select(constant_light, multiply(color, light), color);
+    store_quad(record, kQuadColor,
+               {color.r, color.g, color.b, hn::BitCast(df, hn::Load(di, raw.emissive_info + lane))});
 
     if (raw.any_bits & kLanePixelLit) {
         const V3 n1 = to_world(decode_normal(hn::Load(di, raw.normal[1] + lane)));
         const V3 n2 = to_world(decode_normal(hn::Load(di, raw.normal[2] + lane)));
-        store_corners(record, kRowNormal, n0.x, n1.x, n2.x);
-        store_corners(record, kRowNormal + 3, n0.y, n1.y, n2.y);
-        store_corners(record, kRowNormal + 6, n0.z, n1.z, n2.z);
-        store_corners(record, kRowFacing, dot(n0, facing), dot(n1, facing), dot(n2, facing));
+        const VF facing0 = dot(n0, facing);
+        store_corners(record, kQuadNormalX, n0.x, n1.x, n2.x, facing0);
+        store_corners(record, kQuadNormalY, n0.y, n1.y, n2.y, hn::Sub(dot(n1, facing), facing0));
+        store_corners(record, kQuadNormalZ, n0.z, n1.z, n2.z, hn::Sub(dot(n2, facing), facing0));
     }
     if (raw.any_bits & kLaneVertexColor) {
         const Rgb c1 = unpack_color(hn::Load(du, raw.vertex_color[1] + lane));
@@ -184,18 +166,17 @@ HWY_INLINE void set_up_full(const ShadeFrame& frame, const RawBlock& raw, int la
         const VF one = splat(1.0f);
         const auto channel = [&](int row, VF at0, VF at1, VF at2) HWY_ATTR {
             store_corners(record, row, hn::IfThenElse(varies, at0, one), hn::IfThenElse(varies, at1, one),
-                          hn::IfThenElse(varies, at2, one));
+                          hn::IfThenElse(varies, at2, one), zero);
         };
-        channel(kRowVertexColor, vertex_color.r, c1.r, c2.r);
-        channel(kRowVertexColor + 3, vertex_color.g, c1.g, c2.g);
-        channel(kRowVertexColor + 6, vertex_color.b, c1.b, c2.b);
+        channel(kQuadVertexRed, vertex_color.r, c1.r, c2.r);
+        channel(kQuadVertexGreen, vertex_color.g, c1.g, c2.g);
+        channel(kQuadVertexBlue, vertex_color.b, c1.b, c2.b);
     }
 }
 
 /// The prelit colour: mean base colour in the light on corner 0's normal, turned to the viewer (P1 4.6).
 HWY_INLINE void set_up_prelit(const ShadeFrame& frame, const RawBlock& raw, int lane, float* record) {
     const VI info = hn::Load(di, raw.info + lane);
-    hn::Store(info, di, reinterpret_cast<std::int32_t*>(record + kRowInfo * kBlock));
     const NormalTransform to_world(raw, lane);
     const V3 normal = normalized(to_world(decode_normal(hn::Load(di, raw.normal[0] + lane))));
     const VF toward = hn::And(dot(normal, world_position(raw, 0, lane)), hn::SignBit(df));
@@ -207,7 +188,8 @@ HWY_INLINE void set_up_prelit(const ShadeFrame& frame, const RawBlock& raw, int 
     const Rgb emissive = {hn::Load(df, raw.prelit_emissive[0] + lane), hn::Load(df, raw.prelit_emissive[1] + lane),
                           hn::Load(df, raw.prelit_emissive[2] + lane)};
     const Rgb lit = soft_clip(multiply_add(color, light, emissive));
-    store_rgb(record, kRowPrelit, select(unlit, multiply_add(splat(1.0f), color, emissive), lit));
+    const Rgb prelit = select(unlit, multiply_add(splat(1.0f), color, emissive), lit);
+    store_quad(record, kQuadPrelit, {prelit.r, prelit.g, prelit.b, hn::Zero(df)});
 }
 
 }  // namespace ff::shading::HWY_NAMESPACE

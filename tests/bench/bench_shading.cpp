@@ -1,6 +1,7 @@
 // Milliseconds of the shading pass for whole 640x480 images: a town from the street and from above, a wood, near and
-// far, all pixels textured, or prelit beyond some distances, with the error that this makes. Usage: bench_shading
-// [laps]
+// far, all pixels textured, or prelit beyond some distances, with the error that this makes. Or sixteen views of a
+// pack's walk, each cast anew before it is shaded, so that the caches are as they are in a frame. Usage: bench_shading
+// [laps [folder for the pictures]] | PACK.ffpack:WALK [laps [folder]]
 
 #include <fmt/core.h>
 
@@ -15,7 +16,10 @@
 #include "engine/core/jobs.h"
 #include "engine/core/stopwatch.h"
 #include "engine/farfield/ray_caster.h"
+#include "engine/scene/load_world.h"
 #include "engine/scene/prelit_colors.h"
+#include "engine/scene/walk.h"
+#include "engine/scene/world.h"
 #include "engine/shading/shading_pass.h"
 #include "tests/bench/bench_world.h"
 #include "tests/bench/cpu_watch.h"
@@ -105,9 +109,85 @@ void write_ppm(const std::string& path, const shading::Image& image) {
     }
 }
 
+/// How the vectors of eight pixels are made up, percent of all.
+struct Vectors {
+    double sky = 0, one_triangle = 0, more = 0;  ///< all sky, one triangle, the rest
+};
+
+Vectors count_vectors(const farfield::VisibilityBuffer& visibility) {
+    Vectors vectors;
+    constexpr double kShare = 100.0 / (kWidth / 8 * kHeight);
+    for (int y = 0; y < kHeight; ++y)
+        for (int x = 0; x < kWidth; x += 8) {
+            const std::size_t at = visibility.index(x, y);
+            bool same = true;
+            for (std::size_t i = at; i < at + 8; ++i)
+                same &= visibility.instance[i] == visibility.instance[at] &&
+                        (visibility.triangle[i] == visibility.triangle[at] ||
+                         visibility.instance[i] == farfield::kSkyInstance);
+            const bool sky = visibility.instance[at] == farfield::kSkyInstance;
+            (!same ? vectors.more : sky ? vectors.sky : vectors.one_triangle) += kShare;
+        }
+    return vectors;
+}
+
+/// Sixteen frames of a pack's walk, evenly.
+int run_pack(const std::string& pack, const std::string& walk_name, int laps, const char* folder) {
+    const Result<std::unique_ptr<scene::World>> world = scene::load_world(pack);
+    if (!world) {
+        fmt::print(stderr, "bench_shading: {}\n", world.error().message);
+        return 3;
+    }
+    const scene::Walk* walk = (*world)->find_walk(walk_name);
+    if (walk == nullptr) {
+        fmt::print(stderr, "bench_shading: {} has no walk '{}'\n", pack, walk_name);
+        return 2;
+    }
+    constexpr std::size_t kViews = 16;
+    const scene::StaticScene& scene = (*world)->scene();
+    const auto caster = farfield::make_beam_caster(scene);
+    const auto tiles = whole_image();
+    farfield::VisibilityBuffer visibility;
+    visibility.resize(kWidth, kHeight);
+    shading::Image image;
+    image.resize(kWidth, kHeight);
+    std::vector<double> ms[2];
+    Vectors vectors;
+    double triangles = 0;
+    for (int lap = 0; lap < laps; ++lap)
+        for (std::size_t i = 0; i < kViews; ++i) {
+            const PinholeView view = make_view(walk->camera(i * walk->frames.size() / kViews), kWidth, kHeight);
+            for (int workers = 1; workers <= 2; ++workers) {
+                const WorkerLimit limit(workers);
+                caster->cast_tiles(view, tiles, visibility);
+                const Stopwatch watch;
+                const bench::CpuWatch cpu;
+                shading::shade_tiles(scene, {}, view, visibility, tiles, {}, image);
+                ms[workers - 1].push_back(workers == 1 ? cpu.milliseconds() : watch.milliseconds());
+            }
+            if (lap > 0) continue;
+            const Vectors here = count_vectors(visibility);
+            vectors.sky += here.sky / kViews;
+            vectors.one_triangle += here.one_triangle / kViews;
+            vectors.more += here.more / kViews;
+            triangles += double(tile_triangles(visibility)) / double(kViews * tiles.size());
+            if (folder != nullptr) write_ppm(fmt::format("{}/{}.ppm", folder, i), image);
+        }
+    for (std::vector<double>& times : ms) std::sort(times.begin(), times.end());
+    fmt::print(
+        "640x480, {} laps of {} views; {:.1f} triangles a tile; vectors of 8: {:.0f}% sky, {:.0f}% one triangle, "
+        "{:.0f}% more\nms, median (best): one worker, CPU {:.2f} ({:.2f}); two, wall {:.2f} ({:.2f})\n",
+        laps, kViews, triangles, vectors.sky, vectors.one_triangle, vectors.more, ms[0][ms[0].size() / 2], ms[0][0],
+        ms[1][ms[1].size() / 2], ms[1][0]);
+    return 0;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
+    if (const std::string name = argc > 1 ? argv[1] : ""; name.find(':') != std::string::npos)
+        return run_pack(name.substr(0, name.rfind(':')), name.substr(name.rfind(':') + 1),
+                        argc > 2 ? std::atoi(argv[2]) : 5, argc > 3 ? argv[3] : nullptr);
     const int laps = argc > 1 ? std::atoi(argv[1]) : 41;
     scene::SceneData town = bench::make_town({.cells = 6});
     scene::SceneData wood = bench::make_town({.cells = 3, .buildings = 4, .trees = 3000});
