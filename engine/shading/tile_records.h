@@ -4,7 +4,9 @@
 // Records are arrays of structures, in quads of four rows: a vector of pixels that see one triangle broadcasts from its
 // record, one that sees several loads the quad of each and transposes, which costs a quarter of gathering the rows.
 
+#include <algorithm>
 #include <cstdint>
+#include <iterator>
 
 #include "engine/farfield/visibility_buffer.h"
 
@@ -62,12 +64,14 @@ inline constexpr std::int32_t kSkyOffset = record_offset(kTilePixels);
 struct TileScratch {
     alignas(64) float records[kSkyOffset + kRecordFloats];
     alignas(64) std::int32_t offset[kTilePixels + farfield::kTileSize];  ///< per pixel, of its record; a row to spare
-    TriangleName names[kTilePixels];  ///< unique triangles of the tile, in order of appearance
-    std::uint16_t table[512];         ///< open addressing: index of a name + 1
-    int count = 0;                    ///< of names
+    TriangleName names[kTilePixels];   ///< unique triangles of the tile, in order of appearance
+    std::uint16_t slots[kTilePixels];  ///< of the names in the table
+    std::uint16_t table[512];          ///< open addressing: index of a name + 1; 0 between tiles
+    int count = 0;                     ///< of names
 
     TileScratch() {
-        for (int row = 0; row < kRecordFloats; ++row) records[kSkyOffset + row] = 0.0f;
+        std::fill(std::begin(records) + kSkyOffset, std::end(records), 0.0f);
+        std::fill(std::begin(table), std::end(table), std::uint16_t(0));
     }
 };
 
