@@ -259,13 +259,14 @@ TileNeeds needs_of_tile(const ShadeFrame& frame, int x, int y) {
 }
 
 /// Asks for a row of a tile's pixels. Without this the first touch of each waits for the last-level cache: 16 short
-/// rows are too few for the processor's own prefetchers.
+/// rows are too few for the processor's own prefetchers. Rows need not begin with a cache line: what the tile on the
+/// left has not touched yet is the line of the row's last pixel.
 HWY_INLINE void prefetch_row(const ShadeFrame& frame, const farfield::TileRequest& tile, int row) {
-    const std::size_t first = frame.visibility.index(tile.x, tile.y + row);
-    __builtin_prefetch(frame.visibility.instance.data() + first);
-    __builtin_prefetch(frame.visibility.triangle.data() + first);
-    __builtin_prefetch(frame.visibility.depth.data() + first);
-    __builtin_prefetch(frame.out.pixels.data() + first, 1);
+    const std::size_t last = frame.visibility.index(tile.x + farfield::kTileSize - 1, tile.y + row);
+    __builtin_prefetch(frame.visibility.instance.data() + last);
+    __builtin_prefetch(frame.visibility.triangle.data() + last);
+    __builtin_prefetch(frame.visibility.depth.data() + last);
+    __builtin_prefetch(frame.out.pixels.data() + last, 1);
 }
 
 /// @param next  the tile that comes after it
