@@ -32,6 +32,10 @@ HWY_INLINE VF splat(float x) {
     return hn::Set(df, x);
 }
 
+/// 2^23: a float of [0, 2^23) added to it is rounded to an integer in the low bits, cheaper than a conversion that
+/// minds overflow.
+inline constexpr float kMagic = 8388608.0f;
+
 struct Rgb {
     VF r, g, b;
 };
@@ -77,8 +81,8 @@ HWY_INLINE Rgb decode_srgb(const Rgb& c) {
     return {decode_srgb(c.r), decode_srgb(c.g), decode_srgb(c.b)};
 }
 
-/// Linear [0, 1] to 0..255, rounded to nearest.
-HWY_INLINE VI encode_srgb8(VF x) {
+/// Linear [0, 1] to 0..255, rounded to nearest, in the low bits of a float of kMagic and something.
+HWY_INLINE VU encode_srgb8(VF x) {
     const VF s = hn::Sqrt(x);
     VF sum = hn::MulAdd(s, splat(255.0f * kEncode[4]), splat(255.0f * kEncode[3]));
     sum = hn::MulAdd(s, sum, splat(255.0f * kEncode[2]));
@@ -86,14 +90,13 @@ HWY_INLINE VI encode_srgb8(VF x) {
     sum = hn::MulAdd(s, sum, splat(255.0f * kEncode[0]));
     const VF dark = hn::Mul(x, splat(255.0f * 12.92f));
     const VF value = hn::IfThenElse(hn::Lt(x, splat(kEncodeLinearEnd)), dark, sum);
-    return hn::ConvertTo(di, hn::Add(value, splat(0.5f)));
+    return hn::BitCast(du, hn::Add(value, splat(kMagic)));
 }
 
 /// Linear RGB of any value to opaque RGBA8 sRGB.
 HWY_INLINE VU encode_pixels(const Rgb& c) {
-    const VU r = hn::BitCast(du, encode_srgb8(clamp01(c.r)));
-    const VU g = hn::BitCast(du, encode_srgb8(clamp01(c.g)));
-    const VU b = hn::BitCast(du, encode_srgb8(clamp01(c.b)));
+    const VU r = encode_srgb8(clamp01(c.r)), g = encode_srgb8(clamp01(c.g)), b = encode_srgb8(clamp01(c.b));
+    // What kMagic leaves above the low byte is shifted out, or lies where alpha is 255.
     const VU rg = hn::Or(r, hn::ShiftLeft<8>(g));
     return hn::Or(hn::Or(rg, hn::ShiftLeft<16>(b)), hn::Set(du, 0xFF000000u));
 }
@@ -117,7 +120,7 @@ HWY_INLINE VF exp_negative(VF x) {
     sum = hn::MulAdd(f, sum, splat(0.2413793f));
     sum = hn::MulAdd(f, sum, splat(0.6930321f));
     sum = hn::MulAdd(f, sum, splat(1.0000026f));
-    const VI exponent = hn::ShiftLeft<23>(hn::Add(hn::ConvertTo(di, whole), hn::Set(di, 127)));
+    const VI exponent = hn::ShiftLeft<23>(hn::BitCast(di, hn::Add(whole, splat(kMagic + 127.0f))));
     return hn::Mul(sum, hn::BitCast(df, exponent));
 }
 

@@ -37,9 +37,10 @@ HWY_INLINE Taps taps_along(VF coordinate, VI log2_size, VI info, bool all_repeat
         within = hn::IfThenElse(hn::RebindMask(df, mirrors), hn::Abs(hn::Add(phase, phase)), within);
         within = hn::IfThenElse(hn::RebindMask(df, clamps), clamp01(coordinate), within);
     }
-    // Texel centres lie at halves; 8 bits of fraction.
+    // Texel centres lie at halves; 8 bits of fraction. 3 * 2^22 rounds to an integer as kMagic does, negative ones too.
     const VF scale = hn::BitCast(df, hn::ShiftLeft<23>(hn::Add(log2_size, hn::Set(di, 127 + 8))));
-    const VI fixed = hn::NearestInt(hn::MulAdd(within, scale, splat(-128.0f)));
+    const VF rounded = hn::MulAdd(within, scale, splat(1.5f * kMagic - 128.0f));
+    const VI fixed = hn::Sub(hn::BitCast(di, rounded), hn::BitCast(di, splat(1.5f * kMagic)));
     const VI texel = hn::ShiftRight<8>(fixed);
     Taps taps;
     taps.weight = hn::BitCast(du, hn::And(fixed, hn::Set(di, 255)));
@@ -58,14 +59,16 @@ HWY_INLINE Taps taps_along(VF coordinate, VI log2_size, VI info, bool all_repeat
 /// shuffles bring both vectors in 6.
 HWY_INLINE void load_pairs(const std::uint32_t* texels, VI index, VU& first, VU& second) {
 #if HWY_TARGET == HWY_AVX2
-    alignas(32) std::int32_t at[8];
-    hn::Store(index, di, at);
-    const auto load = [&](int lane)
-                          HWY_ATTR { return _mm_loadl_epi64(reinterpret_cast<const __m128i*>(texels + at[lane])); };
-    const __m128i p01 = _mm_unpacklo_epi32(load(0), load(1)), p23 = _mm_unpacklo_epi32(load(2), load(3));
-    const __m128i p45 = _mm_unpacklo_epi32(load(4), load(5)), p67 = _mm_unpacklo_epi32(load(6), load(7));
-    first = VU{_mm256_set_m128i(_mm_unpacklo_epi64(p45, p67), _mm_unpacklo_epi64(p01, p23))};
-    second = VU{_mm256_set_m128i(_mm_unpackhi_epi64(p45, p67), _mm_unpackhi_epi64(p01, p23))};
+    alignas(32) std::uint32_t at[8];
+    hn::Store(hn::BitCast(du, index), du, at);
+    const auto load = [&](int lane) HWY_ATTR {
+        const __m128i low = _mm_loadl_epi64(reinterpret_cast<const __m128i*>(texels + at[lane]));
+        const auto* high = reinterpret_cast<const __m64*>(texels + at[lane + 1]);
+        return _mm_loadh_pi(_mm_castsi128_ps(low), high);
+    };
+    const __m256 p0145 = _mm256_set_m128(load(4), load(0)), p2367 = _mm256_set_m128(load(6), load(2));
+    first = VU{_mm256_castps_si256(_mm256_shuffle_ps(p0145, p2367, 0x88))};
+    second = VU{_mm256_castps_si256(_mm256_shuffle_ps(p0145, p2367, 0xDD))};
 #else
     first = hn::GatherIndex(du, texels, index);
     second = hn::GatherIndex(du, texels + 1, index);
