@@ -2,7 +2,7 @@
 // What the shading of one 16 x 16 tile needs of each triangle that it sees, set up once per tile and triangle.
 //
 // Records are arrays of structures, in quads of four rows: a vector of pixels that see one triangle broadcasts from its
-// record, one that sees several loads the quad of each and transposes, which costs a quarter of gathering the rows.
+// record, one that sees several loads the quad of each and transposes, which is faster than to gather the rows.
 
 #include <algorithm>
 #include <cstdint>
