@@ -20,6 +20,7 @@
 #include "engine/scene/prelit_colors.h"
 #include "engine/scene/walk.h"
 #include "engine/scene/world.h"
+#include "engine/shading/image_difference.h"
 #include "engine/shading/shading_pass.h"
 #include "tests/bench/bench_world.h"
 #include "tests/bench/cpu_watch.h"
@@ -85,18 +86,6 @@ Shot make_shot(std::string name, const scene::StaticScene& scene, farfield::RayC
     shot.visibility.resize(kWidth, kHeight);
     caster.cast_tiles(shot.view, whole_image(), shot.visibility);
     return shot;
-}
-
-double psnr_db(const shading::Image& a, const shading::Image& b) {
-    double squares = 0;
-    for (int y = 0; y < a.height; ++y)
-        for (int x = 0; x < a.width; ++x)
-            for (int shift = 0; shift < 24; shift += 8) {
-                const std::size_t i = std::size_t(y) * std::size_t(a.stride) + std::size_t(x);
-                const int d = int((a.pixels[i] >> shift) & 255u) - int((b.pixels[i] >> shift) & 255u);
-                squares += double(d) * d;
-            }
-    return squares > 0 ? 10.0 * std::log10(255.0 * 255.0 * 3.0 * a.width * a.height / squares) : 99.0;
 }
 
 void write_ppm(const std::string& path, const shading::Image& image) {
@@ -219,7 +208,7 @@ int main(int argc, char** argv) {
     for (Shot& shot : shots) {
         shading::shade_tiles(*shot.scene, {}, shot.view, shot.visibility, tiles, {}, full);
         shading::shade_tiles(*shot.scene, {}, shot.view, shot.visibility, tiles, shot.settings, image);
-        shot.psnr_db = psnr_db(image, full);
+        shot.psnr_db = shading::compare_images(image, full, 0).psnr_db;
     }
     for (int lap = 0; lap < laps; ++lap)
         for (Shot& shot : shots)
