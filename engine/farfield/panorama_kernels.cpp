@@ -100,11 +100,10 @@ HWY_INLINE VI bins_of(VF value) {
     return hn::Min(hn::Max(bin, hn::Set(di, kClassFirstStale)), hn::Set(di, kClassLastStale));
 }
 
-HWY_INLINE VI class_of_quad(VI quad) {
-    const DI di;
-    const auto is = [&](std::uint32_t state) { return hn::Eq(quad, hn::Set(di, int(state))); };
-    return hn::Or(hn::IfThenElseZero(is(kQuadEdge), hn::Set(di, kClassEdge)),
-                  hn::IfThenElseZero(is(kQuadNoise), hn::Set(di, kClassNoise)));
+HWY_INLINE std::uint32_t bits_of(hn::Mask<DI> mask) {
+    std::uint8_t bytes[8] = {};
+    hn::StoreMaskBits(DI(), mask, bytes);
+    return hn::Lanes(DI()) > 8 ? std::uint32_t(bytes[0] | bytes[1] << 8) : std::uint32_t(bytes[0]);
 }
 
 /// Where each pixel of a tile falls on the map.
@@ -192,7 +191,12 @@ void resolve(const LookupJob& job, const TileRequest& tile, std::uint32_t record
     const PinholeView& view = *job.view;
     const VI lane = hn::Iota(di, 0);
     const bool wants_visibility = job.target.visibility != nullptr;
+    const auto is = [&](VI state, std::uint32_t value) { return hn::Eq(state, hn::Set(di, int(value))); };
+    auto all_still = hn::Eq(lane, lane);
+    std::uint32_t any = 0;
     for (int j = 0; j < kTileSize; ++j) {
+        std::uint32_t edge = 0, noise = 0, worse = 0;
+        out.edge[std::size_t(j)] = out.noise[std::size_t(j)] = out.worse[std::size_t(j)] = 0;
         if (tile.rows[j] == 0) continue;
         const int y = int(tile.y) + j;
         const float v = (float(y) + 0.5f) * view.v_step + view.v_first;
@@ -255,22 +259,21 @@ void resolve(const LookupJob& job, const TileRequest& tile, std::uint32_t record
 
                 const auto never = hn::Eq(near_record, hn::Set(di, int(kNeverTraced)));
                 const auto stale = hn::RebindMask(di, hn::Gt(measure, hn::Set(df, job.limit)));
-                VI classes = hn::IfThenElseZero(use_quad, class_of_quad(quad));
-                classes = hn::IfThenElse(stale, bins_of(measure), classes);
-                classes = hn::IfThenElse(never, hn::Set(di, kClassNever), classes);
+                const auto bad = hn::Or(stale, never);
+                const VI classes = hn::IfThenElse(never, hn::Set(di, kClassNever), bins_of(measure));
                 hn::StoreU(hn::DemoteTo(d8, classes), d8, out.classes.data() + pixel);
+                worse |= bits_of(hn::And(bad, wanted)) << i;
+                const auto may_mix = hn::And(wanted, hn::AndNot(bad, use_quad));
+                edge |= bits_of(hn::And(may_mix, is(quad, kQuadEdge))) << i;
+                noise |= bits_of(hn::And(may_mix, is(quad, kQuadNoise))) << i;
                 const auto still = hn::RebindMask(di, hn::Eq(parallax, hn::Zero(df)));
+                all_still = hn::And(all_still, hn::Or(still, hn::Not(wanted)));
                 hn::StoreU(hn::DemoteTo(d8, hn::IfThenZeroElse(still, bins_of(parallax))), d8,
                            out.parallax.data() + pixel);
-                if (!hn::AllTrue(di, hn::Or(hn::Not(wanted), hn::Eq(classes, hn::Zero(di))))) out.any = true;
                 wanted = hn::AndNot(never, wanted);
             } else {
-                const auto smooth = hn::Eq(quad, hn::Set(di, int(kQuadSmooth)));
-                if (!hn::AllTrue(di, smooth)) {
-                    const VI classes = class_of_quad(quad);
-                    hn::StoreU(hn::DemoteTo(d8, classes), d8, out.classes.data() + pixel);
-                    out.any = true;
-                }
+                edge |= bits_of(hn::And(wanted, is(quad, kQuadEdge))) << i;
+                noise |= bits_of(hn::And(wanted, is(quad, kQuadNoise))) << i;
             }
 
             const bool all = hn::AllTrue(di, wanted);
@@ -289,39 +292,41 @@ void resolve(const LookupJob& job, const TileRequest& tile, std::uint32_t record
             put(du, hn::Load(du, in.instances + pixel), target.instance.data() + to);
             put(du, hn::Load(du, in.triangles + pixel), target.triangle.data() + to);
         }
+        out.edge[std::size_t(j)] = std::uint16_t(edge);
+        out.noise[std::size_t(j)] = std::uint16_t(noise);
+        out.worse[std::size_t(j)] = std::uint16_t(worse);
+        any |= edge | noise | worse;
     }
+    out.any = any != 0;
+    out.parallax_differs = kCheck && !hn::AllTrue(di, all_still);
 }
 
 void LookupTile(const LookupJob& job, const TileRequest& tile, TileClasses& out) {
     const PanoramaMap& map = *job.map;
-    out.any = false;
     TileSamples samples;
+    out.tile_parallax = 0;
     const TileFootprint footprint = footprint_of(map, *job.view, tile);
     if (footprint.face < 0) {
-        out.checked = true;
         project<false>(job, tile, 0, samples);
         fetch(job, tile, true, samples);
         resolve<true>(job, tile, kNeverTraced, samples, out);
         return;
     }
-    // Where all texels are good, of one record, nothing has to be looked at but colours.
+    // Where all texels are good, of one record, nothing has to be looked at but colours. The nearest decides.
     const int side = map.tiles_side;
-    const TexelTile& first = map.tiles[std::size_t(footprint.y0 / kTileSize * side + footprint.x0 / kTileSize)];
-    bool good = is_tile_good(job, first);
-    float bound = tile_parallax_bound(job, first);
-    for (int ty = footprint.y0 / kTileSize; good && ty <= footprint.y1 / kTileSize; ++ty)
-        for (int tx = footprint.x0 / kTileSize; good && tx <= footprint.x1 / kTileSize; ++tx) {
-            const TexelTile& texels = map.tiles[std::size_t(ty * side + tx)];
-            good = texels.record == first.record && is_tile_good(job, texels);
-            bound = std::max(bound, tile_parallax_bound(job, texels));
+    TexelTile texels = map.tiles[std::size_t(footprint.y0 / kTileSize * side + footprint.x0 / kTileSize)];
+    for (int ty = footprint.y0 / kTileSize; ty <= footprint.y1 / kTileSize; ++ty)
+        for (int tx = footprint.x0 / kTileSize; tx <= footprint.x1 / kTileSize; ++tx) {
+            const TexelTile& other = map.tiles[std::size_t(ty * side + tx)];
+            texels.complete &= other.complete && other.record == texels.record;
+            texels.nearest_m = std::min(texels.nearest_m, other.nearest_m);
         }
-    out.checked = !good;
+    const bool good = is_tile_good(job, texels);
     project<true>(job, tile, footprint.face, samples);
     fetch(job, tile, !good, samples);
     if (good) {
-        std::memset(out.classes.data(), kClassGood, out.classes.size());
-        out.tile_parallax = bin_of(bound);
-        resolve<false>(job, tile, first.record, samples, out);
+        resolve<false>(job, tile, texels.record, samples, out);
+        out.tile_parallax = bin_of(tile_parallax_bound(job, texels));
     } else {
         resolve<true>(job, tile, kNeverTraced, samples, out);
     }

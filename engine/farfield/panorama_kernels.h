@@ -23,13 +23,25 @@ inline constexpr int kBinShift = 20;
 [[nodiscard]] float bin_upper_end(std::uint8_t bin);
 [[nodiscard]] std::uint8_t bin_of(float value);
 
-/// Per pixel of a tile, row-major.
-struct TileClasses {
-    std::array<std::uint8_t, kTileSize * kTileSize> classes;   ///< valid where `any`
-    std::array<std::uint8_t, kTileSize * kTileSize> parallax;  ///< bins; valid where `checked`
+/// The pixels asked for of one tile by what became of them: bit i of a row is its i-th pixel.
+struct alignas(64) TileClasses {
+    using Rows = std::array<std::uint16_t, kTileSize>;
+    Rows edge;   ///< kClassEdge
+    Rows noise;  ///< kClassNoise
+    Rows worse;  ///< kClassFirstStale and above, class by class in `classes`
+    std::array<std::uint8_t, kTileSize * kTileSize> classes;   ///< row-major; valid at `worse` pixels
+    std::array<std::uint8_t, kTileSize * kTileSize> parallax;  ///< bins; valid where parallax_differs
     bool any = false;                                          ///< some pixel is not good
-    bool checked = false;  ///< texel by texel; else all are good and have the parallax below
+    bool parallax_differs = false;                             ///< pixel by pixel; else all have the parallax below
     std::uint8_t tile_parallax = 0;
+
+    [[nodiscard]] std::uint8_t class_at(int row, int column) const {
+        const auto j = std::size_t(row);
+        const std::uint32_t bit = 1u << column;
+        if ((worse[j] & bit) != 0) return classes[j * kTileSize + std::size_t(column)];
+        if ((noise[j] & bit) != 0) return kClassNoise;
+        return (edge[j] & bit) != 0 ? kClassEdge : kClassGood;
+    }
 };
 
 struct LookupJob {
