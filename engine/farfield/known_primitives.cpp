@@ -211,6 +211,8 @@ HWY_INLINE void draw_block(const scene::StaticScene& scene, std::span<const Know
 // Pixels that found something go to `out`, the others to `missed`.
 HWY_INLINE void write_pixels(const Pixels& pixels, const TileRequest& request, VisibilityBuffer& out,
                              TileRequest& missed) {
+    float* const depths = out.depth.data();
+    std::uint32_t *const instances = out.instance.data(), *const triangles = out.triangle.data();
     for (int row = 0; row < kTileSize; ++row) {
         const std::size_t first = out.index(request.x, request.y + row);
         std::uint32_t empty = 0;
@@ -221,9 +223,9 @@ HWY_INLINE void write_pixels(const Pixels& pixels, const TileRequest& request, V
                 continue;
             }
             const std::size_t to = first + std::size_t(column);
-            out.depth[to] = 1.0f / pixels.best[at];
-            out.instance[to] = pixels.instance[at];
-            out.triangle[to] = pixels.triangle[at];
+            depths[to] = 1.0f / pixels.best[at];
+            instances[to] = pixels.instance[at];
+            triangles[to] = pixels.triangle[at];
         }
         missed.rows[row] = std::uint16_t(empty);
     }

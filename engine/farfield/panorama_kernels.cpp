@@ -301,15 +301,22 @@ void resolve(const LookupJob& job, const TileRequest& tile, std::uint32_t record
     out.parallax_differs = kCheck && !hn::AllTrue(di, all_still);
 }
 
-void LookupTile(const LookupJob& job, const TileRequest& tile, TileClasses& out) {
+void keep_quads(const TileSamples& samples, TileClasses& out) {
+    std::size_t count = 0;
+    for (std::size_t j = 0; j < kTileSize; ++j)
+        for (std::uint32_t bits = out.edge[j] | out.noise[j]; bits != 0; bits &= bits - 1)
+            out.quads[count++] = samples.quad[j * kTileSize + std::size_t(std::countr_zero(bits))];
+}
+
+void LookupTile(const LookupJob& job, const TileRequest& tile, const TileFootprint& footprint, TileClasses& out) {
     const PanoramaMap& map = *job.map;
     TileSamples samples;
     out.tile_parallax = 0;
-    const TileFootprint footprint = footprint_of(map, *job.view, tile);
     if (footprint.face < 0) {
         project<false>(job, tile, 0, samples);
         fetch(job, tile, true, samples);
         resolve<true>(job, tile, kNeverTraced, samples, out);
+        if (out.any) keep_quads(samples, out);
         return;
     }
     // Where all texels are good, of one record, nothing has to be looked at but colours. The nearest decides.
@@ -330,16 +337,7 @@ void LookupTile(const LookupJob& job, const TileRequest& tile, TileClasses& out)
     } else {
         resolve<true>(job, tile, kNeverTraced, samples, out);
     }
-}
-
-void FindQuads(const LookupJob& job, const TileRequest& tile, std::int32_t* quads) {
-    TileSamples samples;
-    const TileFootprint footprint = footprint_of(*job.map, *job.view, tile);
-    if (footprint.face < 0)
-        project<false>(job, tile, 0, samples);
-    else
-        project<true>(job, tile, footprint.face, samples);
-    std::memcpy(quads, samples.quad, sizeof samples.quad);
+    if (out.any) keep_quads(samples, out);
 }
 
 void UpdateQuads(PanoramaMap& map, int tile_x, int tile_row, const ContrastLimits& contrast) {
@@ -465,14 +463,21 @@ void fetch(const LookupJob& job, const TileRequest& tile, bool check, TileSample
 }
 
 HWY_EXPORT(LookupTile);
-HWY_EXPORT(FindQuads);
 HWY_EXPORT(UpdateQuads);
 
-void lookup_tile(const LookupJob& job, const TileRequest& tile, TileClasses& out) {
-    HWY_DYNAMIC_DISPATCH(LookupTile)(job, tile, out);
+void prefetch_colors(const PanoramaMap& map, const TileFootprint& footprint) {
+    if (footprint.face < 0) return;
+    constexpr int kLine = 64 / sizeof(std::uint32_t);
+    for (int row = footprint.y0; row <= footprint.y1; ++row) {
+        const std::uint32_t* first = map.colors.data() + map.index(footprint.x0, row);
+        const int width = footprint.x1 - footprint.x0;
+        for (int x = 0; x < width; x += kLine) __builtin_prefetch(first + x);
+        __builtin_prefetch(first + width);
+    }
 }
-void find_quads(const LookupJob& job, const TileRequest& tile, std::span<std::int32_t, kTileSize * kTileSize> quads) {
-    HWY_DYNAMIC_DISPATCH(FindQuads)(job, tile, quads.data());
+
+void lookup_tile(const LookupJob& job, const TileRequest& tile, const TileFootprint& footprint, TileClasses& out) {
+    HWY_DYNAMIC_DISPATCH(LookupTile)(job, tile, footprint, out);
 }
 void update_quads(PanoramaMap& map, int tile_x, int tile_row, const ContrastLimits& contrast) {
     HWY_DYNAMIC_DISPATCH(UpdateQuads)(map, tile_x, tile_row, contrast);

@@ -31,8 +31,10 @@ struct alignas(64) TileClasses {
     Rows worse;  ///< kClassFirstStale and above, class by class in `classes`
     std::array<std::uint8_t, kTileSize * kTileSize> classes;   ///< row-major; valid at `worse` pixels
     std::array<std::uint8_t, kTileSize * kTileSize> parallax;  ///< bins; valid where parallax_differs
-    bool any = false;                                          ///< some pixel is not good
-    bool parallax_differs = false;                             ///< pixel by pixel; else all have the parallax below
+    /// The upper left of the four texels around each edge and noise pixel, row by row, as indices into the map.
+    std::array<std::int32_t, kTileSize * kTileSize> quads;
+    bool any = false;               ///< some pixel is not good
+    bool parallax_differs = false;  ///< pixel by pixel; else all have the parallax below
     std::uint8_t tile_parallax = 0;
 
     [[nodiscard]] std::uint8_t class_at(int row, int column) const {
@@ -69,11 +71,12 @@ struct TileFootprint {
 /// Whether all texels of a tile of texels may be used as they are.
 [[nodiscard]] bool is_tile_good(const LookupJob& job, const TexelTile& tile);
 
-/// Writes what the map knows of the wanted pixels to the target, and sorts them into classes.
-void lookup_tile(const LookupJob& job, const TileRequest& tile, TileClasses& out);
+/// Asks the memory for the colours that a lookup of this footprint will read.
+void prefetch_colors(const PanoramaMap& map, const TileFootprint& footprint);
 
-/// The upper left of the four texels around each pixel of a tile, as indices into the map; valid in rows asked for.
-void find_quads(const LookupJob& job, const TileRequest& tile, std::span<std::int32_t, kTileSize * kTileSize> quads);
+/// Writes what the map knows of the wanted pixels to the target, and sorts them into classes.
+/// @param footprint  of the tile
+void lookup_tile(const LookupJob& job, const TileRequest& tile, const TileFootprint& footprint, TileClasses& out);
 
 /// Of 255, in any channel; see PanoramaSettings.
 struct ContrastLimits {

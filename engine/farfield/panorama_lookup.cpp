@@ -111,6 +111,7 @@ PanoramaStats Panorama::lookup(const PinholeView& view, std::span<const TileRequ
     job.target = target;
     if (s.classes.size() < wanted.size()) s.classes.resize(wanted.size());
     if (s.at_threshold.size() < wanted.size()) s.at_threshold.resize(wanted.size());
+    if (s.edge_tiles.capacity() < wanted.size()) s.edge_tiles.reserve(wanted.size());
     const std::size_t tasks = (wanted.size() + kTilesPerTask - 1) / kTilesPerTask;
     if (s.task_classes.size() < tasks) s.task_classes.resize(tasks), s.task_parallax.resize(tasks);
 
@@ -118,9 +119,16 @@ PanoramaStats Panorama::lookup(const PinholeView& view, std::span<const TileRequ
     parallel_ranges(wanted.size(), kTilesPerTask, [&](std::size_t begin, std::size_t end) {
         Histogram& histogram = s.task_classes[begin / kTilesPerTask];
         histogram.fill(0);
+        // The next tile's colours are on their way while one is looked up.
+        panorama::TileFootprint next = panorama::footprint_of(s.map, view, wanted[begin]);
         for (std::size_t t = begin; t < end; ++t) {
             TileClasses& tile = s.classes[t];
-            panorama::lookup_tile(job, wanted[t], tile);
+            const panorama::TileFootprint footprint = next;
+            if (t + 1 < end) {
+                next = panorama::footprint_of(s.map, view, wanted[t + 1]);
+                panorama::prefetch_colors(s.map, next);
+            }
+            panorama::lookup_tile(job, wanted[t], footprint, tile);
             if (!tile.any) continue;
             if (limits.edges == EdgeRule::verify) verify_few(s.settings.few_pixels, tile);
             histogram[panorama::kClassEdge] += count(tile.edge);
@@ -210,12 +218,15 @@ PanoramaStats Panorama::lookup(const PinholeView& view, std::span<const TileRequ
         seen += parallax[b];
         stats.parallax_max_px = panorama::bin_upper_end(std::uint8_t(b));
     }
-    for (std::vector<TileRequest>* list : {&to_cast, &s.edges})
-        std::erase_if(*list, [](const TileRequest& tile) {
-            std::uint32_t any = 0;
-            for (const std::uint16_t row : tile.rows) any |= row;
-            return any == 0;
-        });
+    const auto is_empty = [](const TileRequest& tile) {
+        std::uint32_t any = 0;
+        for (const std::uint16_t row : tile.rows) any |= row;
+        return any == 0;
+    };
+    std::erase_if(to_cast, is_empty);
+    s.edge_tiles.clear();
+    for (std::size_t t = 0; verify && t < wanted.size(); ++t)
+        if (!is_empty(s.edges[t])) s.edge_tiles.push_back(std::uint32_t(t));
     return stats;
 }
 

@@ -37,7 +37,9 @@ struct Panorama::State {
     std::vector<panorama::TileClasses> classes;  ///< per wanted tile
     std::vector<std::uint32_t> at_threshold;     ///< per wanted tile: pixels of the class that is cast in part
 
-    std::vector<TileRequest> edges;  ///< pixels left aside for verify_edges
+    // Pixels left aside for verify_edges.
+    std::vector<TileRequest> edges;         ///< per wanted tile
+    std::vector<std::uint32_t> edge_tiles;  ///< those that have any
 
     std::vector<PixelHistogram> task_classes, task_parallax;  ///< per parallel task
 

@@ -1,5 +1,9 @@
 // Edges of the map, settled by the pixels' own rays without a search: what a pixel sees is nearly always what one of
 // the four texels around it sees (P3's reprojection with a 2 x 2 neighbourhood, the viewer turning only).
+//
+// An edge tile has some thirty such pixels, and these name about ten primitives. What costs time is waiting for them:
+// texels, then instances, then indices, then corners lie anywhere in memory. So a task takes each of these steps for
+// several tiles at once.
 
 #include <bit>
 
@@ -18,15 +22,62 @@ constexpr std::size_t kTilesPerTask = 8;
 struct Task {
     PrimitiveSet primitives;
     std::array<PrimitiveId, 2 * PrimitiveSet::kCapacity> ids;
-    std::array<KnownTriangle, 2 * PrimitiveSet::kCapacity> triangles;                  // 96 KiB
-    std::array<std::array<std::int32_t, kTileSize * kTileSize>, kTilesPerTask> quads;  ///< of the pixels asked for
-    std::array<std::size_t, kTilesPerTask> quad_counts;
+    std::array<KnownTriangle, 2 * PrimitiveSet::kCapacity> triangles;       // 96 KiB
+    std::array<std::int32_t, kTilesPerTask * kTileSize * kTileSize> quads;  ///< of all tiles' edge pixels
+    std::array<std::size_t, kTilesPerTask + 1> first_quad{}, first_id{};    ///< per tile
 };
 
-template <class Visit>
-void visit_pixels(const TileRequest& tile, Visit&& visit) {
+/// Appends the quads of the edges of a tile, row by row.
+/// @return how many there are then
+std::size_t collect_quads(const TileRequest& edges, const panorama::TileClasses& tile, std::span<std::int32_t> quads,
+                          std::size_t count) {
+    std::size_t kept = 0;
+    for (std::size_t j = 0; j < kTileSize; ++j)
+        for (std::uint32_t bits = tile.edge[j] | tile.noise[j]; bits != 0; bits &= bits - 1) {
+            quads[count] = tile.quads[kept++];
+            count += (edges.rows[j] >> std::countr_zero(bits)) & 1u;
+        }
+    return count;
+}
+
+/// A texel and its three neighbours.
+std::array<std::size_t, 4> texels_of(std::int32_t quad, int map_size) {
+    const auto first = std::size_t(quad), below = first + std::size_t(map_size);
+    return {first, first + 1, below, below + 1};
+}
+
+void prefetch_texels(const PanoramaMap& map, std::int32_t quad) {
+    for (const std::size_t at : {std::size_t(quad), std::size_t(quad) + std::size_t(map.size)}) {
+        __builtin_prefetch(&map.visibility.instance[at]);
+        __builtin_prefetch(&map.visibility.triangle[at]);
+    }
+}
+
+void prefetch_pixels(const TileRequest& tile, VisibilityBuffer& out) {
+    for (int j = 0; j < kTileSize; ++j) {
+        if (tile.rows[j] == 0) continue;
+        const std::size_t at = out.index(tile.x, tile.y + j);
+        __builtin_prefetch(&out.depth[at], 1);
+        __builtin_prefetch(&out.instance[at], 1);
+        __builtin_prefetch(&out.triangle[at], 1);
+    }
+}
+
+/// Every near thing around was looked past: what is left is the farthest.
+void show_farthest(const PanoramaMap& map, const TileRequest& tile, const TileRequest& missed,
+                   std::span<const std::int32_t> quads, const PanoramaTarget& target) {
+    const std::int32_t* quad = quads.data();
     for (int j = 0; j < kTileSize; ++j)
-        for (std::uint32_t bits = tile.rows[j]; bits != 0; bits &= bits - 1) visit(j, std::countr_zero(bits));
+        for (std::uint32_t bits = tile.rows[j]; bits != 0; bits &= bits - 1, ++quad) {
+            const int i = std::countr_zero(bits);
+            if (((missed.rows[j] >> i) & 1) == 0) continue;
+            const auto texels = texels_of(*quad, map.size);
+            std::size_t farthest = texels[0];
+            for (const std::size_t at : texels)
+                if (map.visibility.depth[at] > map.visibility.depth[farthest]) farthest = at;
+            target.colors[std::size_t(tile.y + j) * std::size_t(target.color_stride) + std::size_t(tile.x + i)] =
+                map.colors[farthest] | 0xFF000000u;
+        }
 }
 
 }  // namespace
@@ -36,68 +87,43 @@ void Panorama::verify_edges(const scene::StaticScene& scene, const PinholeView& 
     const State& s = *state_;
     FF_CHECK(verified.width == view.width && verified.height == view.height, "a mask of {} x {} for a view of {} x {}",
              verified.width, verified.height, view.width, view.height);
-    panorama::LookupJob job;
-    job.map = &s.map;
-    job.view = &view;
     const beam::BeamView beam_view(view);
     const VisibilityBuffer& map = s.map.visibility;
-    const auto row_step = std::size_t(s.map.size);
-    parallel_ranges(s.edges.size(), kTilesPerTask, [&](std::size_t begin, std::size_t end) {
+    parallel_ranges(s.edge_tiles.size(), kTilesPerTask, [&](std::size_t begin, std::size_t end) {
         Task task;
-        // All quads first: what they name is then on its way from memory.
-        std::array<std::int32_t, kTileSize * kTileSize> quads;
-        for (std::size_t t = begin; t < end; ++t) {
-            panorama::find_quads(job, s.edges[t], quads);
-            std::size_t count = 0;
-            auto& of_tile = task.quads[t - begin];
-            visit_pixels(s.edges[t], [&](int j, int i) {
-                const std::int32_t quad = quads[std::size_t(j * kTileSize + i)];
-                of_tile[count++] = quad;
-                for (const std::size_t at : {std::size_t(quad), std::size_t(quad) + row_step}) {
-                    __builtin_prefetch(&map.instance[at]);
-                    __builtin_prefetch(&map.triangle[at]);
-                }
-            });
-            task.quad_counts[t - begin] = count;
+        const std::size_t tiles = end - begin;
+        const auto edges_of = [&](std::size_t t) -> const TileRequest& { return s.edges[s.edge_tiles[begin + t]]; };
+        const auto quads_of = [&](std::size_t t) {
+            return std::span(task.quads).subspan(task.first_quad[t], task.first_quad[t + 1] - task.first_quad[t]);
+        };
+        for (std::size_t t = 0; t < tiles; ++t) {
+            task.first_quad[t + 1] =
+                collect_quads(edges_of(t), s.classes[s.edge_tiles[begin + t]], task.quads, task.first_quad[t]);
+            for (const std::int32_t quad : quads_of(t)) prefetch_texels(s.map, quad);
         }
-        for (std::size_t t = begin; t < end;) {
+        for (std::size_t first = 0, last = 0; first < tiles; first = last) {
             // As many tiles as certainly have room.
-            const std::size_t first = t;
-            std::array<std::size_t, kTilesPerTask + 1> first_id{};
-            std::size_t ids = 0;
-            for (; t < end && ids + PrimitiveSet::kCapacity <= task.ids.size(); ++t) {
-                task.primitives.start(std::span(task.ids).subspan(ids));
-                for (std::size_t q = 0; q < task.quad_counts[t - begin]; ++q) {
-                    const auto quad = std::size_t(task.quads[t - begin][q]);
-                    for (const std::size_t at : {quad, quad + 1, quad + row_step, quad + row_step + 1})
+            task.first_id[first] = 0;
+            for (; last < tiles && task.first_id[last] + PrimitiveSet::kCapacity <= task.ids.size(); ++last) {
+                task.primitives.start(std::span(task.ids).subspan(task.first_id[last]));
+                for (const std::int32_t quad : quads_of(last))
+                    for (const std::size_t at : texels_of(quad, s.map.size))
                         task.primitives.add(map.instance[at], map.triangle[at]);
-                }
-                ids += task.primitives.ids().size();
-                first_id[t - first + 1] = ids;
+                task.first_id[last + 1] = task.first_id[last] + task.primitives.ids().size();
+                prefetch_pixels(edges_of(last), out);
             }
-            fetch_triangles(scene, std::span(task.ids).first(ids), task.triangles);
-            for (std::size_t u = first; u < t; ++u) {
-                const TileRequest& tile = s.edges[u];
-                const std::size_t from = first_id[u - first], to = first_id[u - first + 1];
+            fetch_triangles(scene, std::span(task.ids).first(task.first_id[last]), task.triangles);
+            for (std::size_t t = first; t < last; ++t) {
+                const TileRequest& tile = edges_of(t);
+                const auto triangles =
+                    std::span(task.triangles).subspan(task.first_id[t], task.first_id[t + 1] - task.first_id[t]);
                 TileRequest missed;
-                cast_known_tile(scene, beam_view, tile, std::span(task.triangles).subspan(from, to - from), out,
-                                missed);
+                cast_known_tile(scene, beam_view, tile, triangles, out, missed);
+                show_farthest(s.map, tile, missed, quads_of(t), target);
                 TileMask& mask = verified.tiles[std::size_t(tile.y / kTileSize) * std::size_t(verified.tiles_x) +
                                                 std::size_t(tile.x / kTileSize)];
                 for (int j = 0; j < kTileSize; ++j)
                     mask.rows[j] = std::uint16_t(mask.rows[j] | (tile.rows[j] & ~missed.rows[j]));
-                // Every near thing around was looked past: what is left is the farthest.
-                std::size_t q = 0;
-                visit_pixels(tile, [&](int j, int i) {
-                    const auto quad = std::size_t(task.quads[u - begin][q++]);
-                    if (((missed.rows[j] >> i) & 1) == 0) return;
-                    std::size_t farthest = quad;
-                    for (const std::size_t at : {quad + 1, quad + row_step, quad + row_step + 1})
-                        if (map.depth[at] > map.depth[farthest]) farthest = at;
-                    target
-                        .colors[std::size_t(tile.y + j) * std::size_t(target.color_stride) + std::size_t(tile.x + i)] =
-                        s.map.colors[farthest] | 0xFF000000u;
-                });
             }
         }
     });
