@@ -3,8 +3,6 @@
 
 #include "engine/farfield/panorama.h"
 
-#include <sys/mman.h>
-
 #include <glm/geometric.hpp>
 
 #include "engine/core/check.h"
@@ -12,25 +10,6 @@
 #include "engine/farfield/panorama_state.h"
 
 namespace ff::farfield {
-
-namespace {
-
-/// Gives a vector its memory in huge pages where the system has them: a tile of pixels looks at some twenty rows of
-/// each array, every row a page of its own, and misses of the address translation would be half of a lookup's time.
-template <class T>
-void assign_in_huge_pages(std::vector<T>& values, std::size_t count, T value) {
-    values.reserve(count);
-#ifdef MADV_HUGEPAGE
-    constexpr std::uintptr_t kPage = 4096;
-    const auto begin = (reinterpret_cast<std::uintptr_t>(values.data()) + kPage - 1) / kPage * kPage;
-    const auto end = reinterpret_cast<std::uintptr_t>(values.data() + count) / kPage * kPage;
-    // Only a hint: where it is refused everything works with small pages.
-    if (end > begin) madvise(reinterpret_cast<void*>(begin), end - begin, MADV_HUGEPAGE);
-#endif
-    values.assign(count, value);
-}
-
-}  // namespace
 
 Panorama::Panorama(const PanoramaSettings& settings) : state_(std::make_unique<State>()) {
     const int size = settings.face_size;
@@ -51,15 +30,15 @@ Panorama::Panorama(const PanoramaSettings& settings) : state_(std::make_unique<S
     s.map.extent = float(size) / float(size - 2);
     // A tile's row more than the faces need: the kernels read a row below and a texel to the right.
     const std::size_t texels = std::size_t(size) * std::size_t(6 * size + kTileSize);
-    assign_in_huge_pages(s.map.visibility.instance, texels, kUnresolved);
-    assign_in_huge_pages(s.map.visibility.triangle, texels, 0u);
-    assign_in_huge_pages(s.map.visibility.depth, texels, 0.0f);
-    s.map.visibility.resize(size, 6 * size + 1);
-    s.map.visibility.height = 6 * size;
-    FF_CHECK(s.map.visibility.instance.size() == texels, "{} texels, expected {}", s.map.visibility.instance.size(),
-             texels);
-    assign_in_huge_pages(s.map.colors, texels, 0u);
-    assign_in_huge_pages(s.map.records, texels, kNeverTraced);
+    VisibilityBuffer& visibility = s.map.visibility;
+    visibility.width = visibility.stride = size;
+    visibility.height = 6 * size;
+    visibility.rows = 6 * size + kTileSize;
+    visibility.instance.resize(texels);
+    visibility.triangle.resize(texels);
+    visibility.depth.resize(texels);
+    s.map.colors.resize(texels);
+    s.map.records.resize(texels);
     s.map.tiles.assign(std::size_t(6 * s.map.tiles_side) * std::size_t(s.map.tiles_side), TexelTile{});
     s.records.assign(kRecordCount, ConfidenceRecord{});
     s.moved_x.assign(kRecordCount, 0.0f);
@@ -91,9 +70,16 @@ VisibilityBuffer& Panorama::map() {
 
 void Panorama::clear() {
     State& s = *state_;
-    std::fill(s.map.colors.begin(), s.map.colors.end(), 0u);
-    std::fill(s.map.records.begin(), s.map.records.end(), kNeverTraced);
-    std::fill(s.map.tiles.begin(), s.map.tiles.end(), TexelTile{});
+    const auto side = std::size_t(s.map.tiles_side);
+    for (std::size_t tile = 0; tile < s.map.tiles.size(); ++tile) {
+        if (s.map.tiles[tile].record == kNeverTraced) continue;
+        s.map.tiles[tile] = {};
+        for (std::size_t j = 0; j < kTileSize; ++j) {
+            const std::size_t row = s.map.index(int(tile % side) * kTileSize, int(tile / side * kTileSize + j));
+            std::fill_n(s.map.colors.begin() + std::ptrdiff_t(row), kTileSize, 0u);
+            std::fill_n(s.map.records.begin() + std::ptrdiff_t(row), kTileSize, kNeverTraced);
+        }
+    }
     for (auto& list : s.requests) list.clear();
 }
 

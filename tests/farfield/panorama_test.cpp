@@ -361,7 +361,7 @@ TEST(Panorama, ForgetsTexelsOfRecordsThatAreUsedAgain) {
 
 TEST(Panorama, GivesTheSameBitsForOneAndTwoWorkers) {
     std::vector<std::uint32_t> first_colors;
-    std::vector<float> first_depths;
+    ZeroPageVector<float> first_depths;
     for (const int workers : {1, 2}) {
         const WorkerLimit limit(workers);
         Rig rig(test::make_city({.cells = 2}));
