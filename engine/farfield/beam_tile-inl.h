@@ -47,6 +47,7 @@ constexpr float kMaxProjected = 1024;   // pixels from the tile; vertices furthe
 constexpr float kEdgeError = 4e-7f;     // rounding of an edge function, relative to its largest terms
 constexpr float kBoxError = 5e-7f;      // rounding of a plane at a box corner, likewise
 constexpr float kNearestInverse = 1e9f;
+constexpr float kFarther = 1.000001f;  // depths count as farther than others from this ratio on
 
 // W, X W or Y W of a point as a linear function.
 struct Linear {
@@ -86,7 +87,7 @@ HWY_INLINE void find_farthest(Tile& tile) {
                 least = hn::Min(least, hn::Load(eight, first + row * 16 + x));
         }
         tile.quarter_best[quarter] = hn::GetLane(hn::MinOfLanes(eight, least));
-        const float far = 1.000001f / tile.quarter_best[quarter];
+        const float far = kFarther / tile.quarter_best[quarter];
         for (std::uint32_t set = 0; set < (1u << quarter); ++set)
             tile.far[set | (1u << quarter)] = std::max(tile.far[set], far);
     }

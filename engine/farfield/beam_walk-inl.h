@@ -22,19 +22,26 @@ namespace {
 
 constexpr int kStackEntries = 2048;  // 15 per level of a tree; the builder keeps trees below 132 levels
 
-// The low four bits of `near` name the quarters of the tile that the child touches; cutting them off only brings it
-// nearer.
+// Pixels of the tile: columns x0..x1 and rows y0..y1, a byte each from the lowest on.
+struct PixelRect {
+    std::uint32_t packed;
+    [[nodiscard]] std::uint32_t x0() const { return packed & 255u; }
+    [[nodiscard]] std::uint32_t x1() const { return packed >> 8 & 255u; }
+    [[nodiscard]] std::uint32_t y0() const { return packed >> 16 & 255u; }
+    [[nodiscard]] std::uint32_t y1() const { return packed >> 24; }
+};
+
 struct StackEntry {
     float near;
     std::uint32_t child;
-    [[nodiscard]] std::uint32_t quarters() const { return std::bit_cast<std::uint32_t>(near) & 15u; }
+    PixelRect rect;  // what of the tile the child may cover
 };
 
 // The beam in the space of one hierarchy, as linear functions of which one corner of a box is asked: four planes that
-// look inwards, least depth, and least and greatest X W and Y W. `row` says which of a node's six rows (low x y z, high
-// x y z) holds that corner.
+// look inwards, least and greatest depth, and least and greatest X W and Y W. `row` says which of a node's six rows
+// (low x y z, high x y z) holds that corner.
 struct Beam {
-    enum : int { kNear = 4, kLeft, kRight, kTop, kBottom, kCount };
+    enum : int { kNear = 4, kFar, kLeft, kRight, kTop, kBottom, kCount };
     float x[kCount], y[kCount], z[kCount], c[kCount];
     std::uint32_t row_x[kCount], row_y[kCount], row_z[kCount];
 };
@@ -67,9 +74,11 @@ HWY_INLINE Beam make_beam(const Linear (&xyw)[3], const Vec3& reach, const Tile&
         l.c += rounding_over(p, reach) + std::abs(b) * rounding_over(w, reach);
         set_plane(beam, plane, l, true);
     }
-    Linear near = w;
-    near.c -= rounding_over(w, reach);
-    set_plane(beam, Beam::kNear, near, false);
+    for (int side = 0; side < 2; ++side) {
+        Linear l = w;
+        l.c += side == 0 ? -rounding_over(w, reach) : rounding_over(w, reach);
+        set_plane(beam, Beam::kNear + side, l, side == 1);
+    }
     for (int side = 0; side < 4; ++side) {
         Linear l = xyw[side / 2];
         const bool upper = side % 2 == 1;
@@ -86,28 +95,90 @@ HWY_INLINE VF corner_value(const Beam& beam, int plane, const float* lanes) {
     return hn::MulAdd(hn::Set(f, beam.x[plane]), hn::Load(f, lanes + beam.row_x[plane]), y);
 }
 
-// Children that the beam meets, as bits; those that reach into a half of the tile; their least depths.
+// Children that the beam meets, as bits; their least depths, and the pixels whose centres their boxes may cover.
 struct Met {
-    std::uint32_t all = 0, left = 0, right = 0, top = 0, bottom = 0;
+    std::uint32_t all = 0;
     alignas(64) float near[16];
+    alignas(64) std::uint32_t rect[16];
 };
 
-HWY_INLINE void children_in_beam(const BvhNode& node, const Beam& beam, float far, Met& met) {
+// The tile's pixels, as numbers.
+struct TileBounds {
+    VI x0, x1, y0, y1;
+    explicit HWY_INLINE TileBounds(const Tile& tile)
+        : x0(hn::Set(si, int(tile.first_column))),
+          x1(hn::Set(si, int(tile.last_column))),
+          y0(hn::Set(si, int(tile.first_row))),
+          y1(hn::Set(si, int(tile.last_row))) {}
+};
+
+// First and last pixel whose centre lies in [low / W, high / W] for any W of [near, far]. Tile space has its origin in
+// the tile, so that a distant box's extent in depth hardly widens this.
+HWY_INLINE void covered_centres(VF low, VF high, VF per_near, VF per_far, VI& first, VI& last) {
+    const VF zero = hn::Zero(f), centre = hn::Set(f, kHalf);
+    const VF from = hn::Mul(low, hn::IfThenElse(hn::Lt(low, zero), per_near, per_far));
+    const VF to = hn::Mul(high, hn::IfThenElse(hn::Lt(high, zero), per_far, per_near));
+    // Beyond the tile all numbers are the same; conversion wants them small.
+    const VF least = hn::Set(f, -1.0f), most = hn::Set(f, 17.0f);
+    const VF begin = hn::Clamp(hn::Add(from, hn::Sub(centre, hn::Set(f, kPlaneMargin))), least, most);
+    const VF end = hn::Clamp(hn::Add(to, hn::Add(centre, hn::Set(f, kPlaneMargin))), least, most);
+    first = hn::Max(first, hn::ConvertTo(si, hn::Ceil(begin)));
+    last = hn::Min(last, hn::ConvertTo(si, hn::Floor(end)));
+}
+
+HWY_INLINE void children_in_beam(const BvhNode& node, const Beam& beam, const TileBounds& bounds, float far, Met& met) {
     for (int i = 0; i < 16; i += kLanes) {
         const float* lanes = node.low_x + i;
         // An empty lane gives -inf or, where a normal has a zero, not-a-number; neither is >= 0.
         const VF inside = hn::Min(hn::Min(corner_value(beam, 0, lanes), corner_value(beam, 1, lanes)),
                                   hn::Min(corner_value(beam, 2, lanes), corner_value(beam, 3, lanes)));
-        const VF depth = corner_value(beam, Beam::kNear, lanes), zero = hn::Zero(f);
-        hn::Store(depth, f, met.near + i);
-        const std::uint32_t bits = bits_of(hn::And(hn::Ge(inside, zero), hn::Lt(depth, hn::Set(f, far))));
-        if (bits == 0) continue;
-        met.all |= bits << i;
-        met.left |= bits_of(hn::Le(corner_value(beam, Beam::kLeft, lanes), zero)) << i;
-        met.right |= bits_of(hn::Ge(corner_value(beam, Beam::kRight, lanes), zero)) << i;
-        met.top |= bits_of(hn::Le(corner_value(beam, Beam::kTop, lanes), zero)) << i;
-        met.bottom |= bits_of(hn::Ge(corner_value(beam, Beam::kBottom, lanes), zero)) << i;
+        const VF near = corner_value(beam, Beam::kNear, lanes), zero = hn::Zero(f);
+        const MF met_beam = hn::And(hn::Ge(inside, zero), hn::Lt(near, hn::Set(f, far)));
+        if (hn::AllFalse(f, met_beam)) continue;
+        // Most boxes far away are smaller than a pixel, and most of those lie between the pixels' centres.
+        const MF before_eye = hn::Gt(near, hn::Set(f, kMinW));
+        const VF one = hn::Set(f, 1.0f);
+        const VF per_near = hn::Div(one, hn::IfThenElse(before_eye, near, one));
+        const VF per_far = hn::Div(one, hn::IfThenElse(before_eye, corner_value(beam, Beam::kFar, lanes), one));
+        VI x0 = bounds.x0, x1 = bounds.x1, y0 = bounds.y0, y1 = bounds.y1;
+        covered_centres(corner_value(beam, Beam::kLeft, lanes), corner_value(beam, Beam::kRight, lanes), per_near,
+                        per_far, x0, x1);
+        covered_centres(corner_value(beam, Beam::kTop, lanes), corner_value(beam, Beam::kBottom, lanes), per_near,
+                        per_far, y0, y1);
+        // A box that reaches behind the eye may cover everything.
+        const auto whole = hn::RebindMask(si, hn::Not(before_eye));
+        x0 = hn::IfThenElse(whole, bounds.x0, x0), x1 = hn::IfThenElse(whole, bounds.x1, x1);
+        y0 = hn::IfThenElse(whole, bounds.y0, y0), y1 = hn::IfThenElse(whole, bounds.y1, y1);
+        const MF covers = hn::RebindMask(f, hn::Not(hn::Or(hn::Gt(x0, x1), hn::Gt(y0, y1))));
+        met.all |= bits_of(hn::And(met_beam, covers)) << i;
+        hn::Store(near, f, met.near + i);
+        const VI rect = hn::Or(hn::Or(x0, hn::ShiftLeft<8>(x1)), hn::Or(hn::ShiftLeft<16>(y0), hn::ShiftLeft<24>(y1)));
+        hn::Store(hn::BitCast(ui, rect), ui, met.rect + i);
     }
+}
+
+// Whether something in these pixels, nowhere nearer than `near`, could still be seen. Few pixels are asked one by one,
+// many by the quarters of the tile that they lie in.
+HWY_INLINE bool may_be_seen(const Tile& tile, float near, PixelRect rect) {
+    const std::uint32_t x0 = rect.x0(), x1 = rect.x1(), y0 = rect.y0(), y1 = rect.y1();
+    constexpr std::uint32_t kFew = 4;
+    if (x1 - x0 < kFew && y1 - y0 < kFew) {
+        const hn::CappedTag<float, 4> four;
+        static_assert(hn::MaxLanes(four) == kFew);
+        const hn::RebindToSigned<decltype(four)> four_i;
+        const std::uint32_t left = std::min(x0, std::uint32_t(kTileSize) - kFew);
+        auto least = hn::Set(four, kInf);
+        for (std::uint32_t y = y0; y <= y1; ++y)
+            least = hn::Min(least, hn::LoadU(four, tile.best + y * kTileSize + left));
+        const auto lane = hn::Iota(four_i, int(left));
+        const auto outside = hn::Or(hn::Lt(lane, hn::Set(four_i, int(x0))), hn::Gt(lane, hn::Set(four_i, int(x1))));
+        least = hn::IfThenElse(hn::RebindMask(four, outside), hn::Set(four, kInf), least);
+        const float best = hn::GetLane(hn::MinOfLanes(four, least));
+        return !(near * best >= kFarther);
+    }
+    const std::uint32_t columns = (x0 < 8 ? 0b0101u : 0u) | (x1 >= 8 ? 0b1010u : 0u);
+    const std::uint32_t rows = (y0 < 8 ? 0b0011u : 0u) | (y1 >= 8 ? 0b1100u : 0u);
+    return near < tile.far[columns & rows];
 }
 
 HWY_INLINE void prefetch(const void* address) {
@@ -119,12 +190,13 @@ HWY_INLINE void prefetch(const void* address) {
 template <class Prefetch, class OnLeaf>
 HWY_INLINE void walk(const BvhNode* nodes, const Beam& beam, const Tile& tile, std::uint64_t& visited,
                      Prefetch&& prefetch_child, OnLeaf&& on_leaf) {
+    const TileBounds bounds(tile);
     StackEntry stack[kStackEntries];
     int top = 0;
-    stack[top++] = {std::bit_cast<float>(15u), 0};
+    stack[top++] = {0.0f, 0, {15u << 8 | 15u << 24}};
     while (top > 0) {
         const StackEntry entry = stack[--top];
-        if (!(entry.near < tile.far[entry.quarters()])) continue;
+        if (!may_be_seen(tile, entry.near, entry.rect)) continue;
         if (entry.child & kBvhLeafBit) {
             on_leaf(entry.child & ~kBvhLeafBit);
             continue;
@@ -132,19 +204,13 @@ HWY_INLINE void walk(const BvhNode* nodes, const Beam& beam, const Tile& tile, s
         const BvhNode& node = nodes[entry.child];
         ++visited;
         Met met;
-        children_in_beam(node, beam, tile.far[15], met);
+        children_in_beam(node, beam, bounds, tile.far[15], met);
         if (top + scene::kBvhWidth > kStackEntries) continue;  // no tree of ours is that deep
         const int bottom = top;
         for (; met.all != 0; met.all &= met.all - 1) {
             const int lane = std::countr_zero(met.all);
-            const auto half = [lane](std::uint32_t bits, std::uint32_t quarters) {
-                return (0u - ((bits >> lane) & 1u)) & quarters;
-            };
-            const std::uint32_t quarters =
-                (half(met.left, 0b0101) | half(met.right, 0b1010)) & (half(met.top, 0b0011) | half(met.bottom, 0b1100));
-            const std::uint32_t near = (std::bit_cast<std::uint32_t>(met.near[lane]) & ~15u) | quarters;
-            const StackEntry child{std::bit_cast<float>(near), node.child[lane]};
-            if (!(child.near < tile.far[quarters])) continue;
+            const StackEntry child{met.near[lane], node.child[lane], {met.rect[lane]}};
+            if (!may_be_seen(tile, child.near, child.rect)) continue;
             prefetch_child(child.child);
             int at = top++;
             for (; at > bottom && stack[at - 1].near < child.near; --at) stack[at] = stack[at - 1];
