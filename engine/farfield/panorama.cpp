@@ -45,6 +45,7 @@ Panorama::Panorama(const PanoramaSettings& settings) : state_(std::make_unique<S
     s.moved_y.assign(kRecordCount, 0.0f);
     s.moved_z.assign(kRecordCount, 0.0f);
     s.marked.assign(s.map.tiles.size(), 0);
+    s.dirty_part.resize(s.map.tiles.size());
     s.candidates.reserve(s.map.tiles.size());
     s.changed.reserve(s.map.tiles.size());
     s.dirty.reserve(s.map.tiles.size());
@@ -168,15 +169,22 @@ void Panorama::State::refresh_changed() {
     parallel_ranges(changed.size(), 8, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) refresh_tile(changed[i]);
     });
-    // Quads look a little beyond their tile, so all tiles around have to follow.
+    // Quads look a little beyond their tile, so the sides of the tiles around have to follow.
     const int side = map.tiles_side;
     ++stamp;
     dirty.clear();
     for (const std::uint32_t tile : changed) {
         const int x = int(tile) % side, row = int(tile) / side, face_row = row / side * side;
         for (int j = std::max(row - 1, face_row); j <= std::min(row + 1, face_row + side - 1); ++j)
-            for (int i = std::max(x - 1, 0); i <= std::min(x + 1, side - 1); ++i)
-                mark(std::uint32_t(j * side + i), dirty);
+            for (int i = std::max(x - 1, 0); i <= std::min(x + 1, side - 1); ++i) {
+                const auto neighbour = std::uint32_t(j * side + i);
+                if (marked[neighbour] != stamp) dirty_part[neighbour] = {};
+                mark(neighbour, dirty);
+                const panorama::TexelBox box = panorama::quads_that_see(x - i, row - j);
+                panorama::TexelBox& part = dirty_part[neighbour];
+                part = {std::min(part.x0, box.x0), std::max(part.x1, box.x1), std::min(part.y0, box.y0),
+                        std::max(part.y1, box.y1)};
+            }
     }
     // Neighbours take turns: a tile's quads read its neighbours' colours.
     const panorama::ContrastLimits contrast{settings.edge_contrast, settings.strong_contrast};
@@ -184,7 +192,8 @@ void Panorama::State::refresh_changed() {
         parallel_ranges(dirty.size(), 16, [&](std::size_t begin, std::size_t end) {
             for (std::size_t i = begin; i < end; ++i) {
                 const int x = int(dirty[i]) % side, row = int(dirty[i]) / side;
-                if ((x & 1) + 2 * (row & 1) == turn) panorama::update_quads(map, x, row, contrast);
+                if ((x & 1) + 2 * (row & 1) == turn)
+                    panorama::update_quads(map, x, row, dirty_part[dirty[i]], contrast);
             }
         });
     changed.clear();

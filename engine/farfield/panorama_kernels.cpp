@@ -340,7 +340,7 @@ void LookupTile(const LookupJob& job, const TileRequest& tile, const TileFootpri
     if (out.any) keep_quads(samples, out);
 }
 
-void UpdateQuads(PanoramaMap& map, int tile_x, int tile_row, const ContrastLimits& contrast) {
+void UpdateQuads(PanoramaMap& map, int tile_x, int tile_row, const TexelBox& box, const ContrastLimits& contrast) {
     const DU du;
     const DU8 d8;
     const hn::Rebind<std::uint16_t, DU> d16;
@@ -349,9 +349,10 @@ void UpdateQuads(PanoramaMap& map, int tile_x, int tile_row, const ContrastLimit
     const auto rgb = hn::Set(du, 0x00FFFFFFu);
     const std::size_t down = std::size_t(map.size);
     const int last = map.size - 1;
-    for (int j = 0; j < kTileSize; ++j) {
+    const int lanes = int(hn::Lanes(du));
+    for (int j = box.y0; j <= box.y1; ++j) {
         const int row = tile_row * kTileSize + j;
-        for (int i = 0; i < kTileSize; i += int(hn::Lanes(du))) {
+        for (int i = box.x0 / lanes * lanes; i <= box.x1; i += lanes) {
             const int x = tile_x * kTileSize + i;
             const std::size_t at = map.index(x, row);
             std::uint32_t* colors = map.colors.data() + at;
@@ -479,8 +480,13 @@ void prefetch_colors(const PanoramaMap& map, const TileFootprint& footprint) {
 void lookup_tile(const LookupJob& job, const TileRequest& tile, const TileFootprint& footprint, TileClasses& out) {
     HWY_DYNAMIC_DISPATCH(LookupTile)(job, tile, footprint, out);
 }
-void update_quads(PanoramaMap& map, int tile_x, int tile_row, const ContrastLimits& contrast) {
-    HWY_DYNAMIC_DISPATCH(UpdateQuads)(map, tile_x, tile_row, contrast);
+void update_quads(PanoramaMap& map, int tile_x, int tile_row, const TexelBox& box, const ContrastLimits& contrast) {
+    HWY_DYNAMIC_DISPATCH(UpdateQuads)(map, tile_x, tile_row, box, contrast);
+}
+
+TexelBox quads_that_see(int dx, int dy) {
+    constexpr std::uint8_t kFirst[3] = {0, 0, kTileSize - 2}, kLast[3] = {0, kTileSize - 1, kTileSize - 1};
+    return {kFirst[dx + 1], kLast[dx + 1], kFirst[dy + 1], kLast[dy + 1]};
 }
 
 float bin_upper_end(std::uint8_t bin) {

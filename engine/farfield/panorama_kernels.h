@@ -29,12 +29,12 @@ struct alignas(64) TileClasses {
     Rows edge;   ///< kClassEdge
     Rows noise;  ///< kClassNoise
     Rows worse;  ///< kClassFirstStale and above, class by class in `classes`
-    std::array<std::uint8_t, kTileSize * kTileSize> classes;   ///< row-major; valid at `worse` pixels
-    std::array<std::uint8_t, kTileSize * kTileSize> parallax;  ///< bins; valid where parallax_differs
     /// The upper left of the four texels around each edge and noise pixel, row by row, as indices into the map.
     std::array<std::int32_t, kTileSize * kTileSize> quads;
-    bool any = false;               ///< some pixel is not good
-    bool parallax_differs = false;  ///< pixel by pixel; else all have the parallax below
+    std::array<std::uint8_t, kTileSize * kTileSize> classes;   ///< row-major; valid at `worse` pixels
+    std::array<std::uint8_t, kTileSize * kTileSize> parallax;  ///< bins; valid where parallax_differs
+    bool any = false;                                          ///< some pixel is not good
+    bool parallax_differs = false;                             ///< pixel by pixel; else all have the parallax below
     std::uint8_t tile_parallax = 0;
 
     [[nodiscard]] std::uint8_t class_at(int row, int column) const {
@@ -83,8 +83,15 @@ struct ContrastLimits {
     int edge = 0, strong = 0;
 };
 
-/// Computes the quad states (alpha bytes) of one tile of texels. Reads a texel to the left and above, two to the right
-/// and below.
-void update_quads(PanoramaMap& map, int tile_x, int tile_row, const ContrastLimits& contrast);
+/// Texels of a tile, inclusive; nothing as it is made.
+struct TexelBox {
+    std::uint8_t x0 = kTileSize, x1 = 0, y0 = kTileSize, y1 = 0;
+};
+/// The quads of a tile to compute anew when the neighbour that lies (dx, dy) tiles away from the tile has changed.
+[[nodiscard]] TexelBox quads_that_see(int dx, int dy);
+
+/// Computes quad states (alpha bytes) of one tile of texels: at least those of `box`. Reads a texel to the left and
+/// above, two to the right and below.
+void update_quads(PanoramaMap& map, int tile_x, int tile_row, const TexelBox& box, const ContrastLimits& contrast);
 
 }  // namespace ff::farfield::panorama

@@ -45,6 +45,7 @@ struct Panorama::State {
 
     // Texel tiles whose contents changed.
     std::vector<std::uint32_t> changed, dirty;
+    std::vector<panorama::TexelBox> dirty_part;  ///< per texel tile: its quads to compute anew; valid for dirty ones
 
     [[nodiscard]] panorama::LookupJob job(const PinholeView& view, const PanoramaLimits& limits);
     void mark(std::uint32_t tile, std::vector<std::uint32_t>& list);

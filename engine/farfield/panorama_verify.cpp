@@ -97,6 +97,13 @@ void Panorama::verify_edges(const scene::StaticScene& scene, const PinholeView& 
             return std::span(task.quads).subspan(task.first_quad[t], task.first_quad[t + 1] - task.first_quad[t]);
         };
         for (std::size_t t = 0; t < tiles; ++t) {
+            const panorama::TileClasses& tile = s.classes[s.edge_tiles[begin + t]];
+            __builtin_prefetch(&tile.edge);
+            __builtin_prefetch(&tile.quads[0]);
+            __builtin_prefetch(&tile.quads[16]);
+            __builtin_prefetch(&edges_of(t));
+        }
+        for (std::size_t t = 0; t < tiles; ++t) {
             task.first_quad[t + 1] =
                 collect_quads(edges_of(t), s.classes[s.edge_tiles[begin + t]], task.quads, task.first_quad[t]);
             for (const std::int32_t quad : quads_of(t)) prefetch_texels(s.map, quad);

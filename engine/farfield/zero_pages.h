@@ -2,9 +2,7 @@
 // Arrays whose memory comes zeroed from the system, page by page as it is first touched: making one costs microseconds
 // however large it is, and what is never used of it takes no memory.
 
-#include <sys/mman.h>
-
-#include <cstdlib>
+#include <cstddef>
 #include <limits>
 #include <new>
 #include <type_traits>
@@ -12,6 +10,11 @@
 #include <vector>
 
 namespace ff::farfield {
+
+/// Zeroed memory, in huge pages where it is large and the system has them. Throws std::bad_alloc.
+[[nodiscard]] void* allocate_zero_pages(std::size_t bytes);
+/// @param bytes  as they were allocated
+void free_zero_pages(void* memory, std::size_t bytes);
 
 /// For vectors of numbers. An element made without a value is left as the memory is: zero in a vector that has just
 /// been made, anything in one that shrank and grew again.
@@ -26,40 +29,17 @@ struct ZeroPages {
     ZeroPages(const ZeroPages<U>&) {}
 
     [[nodiscard]] T* allocate(std::size_t count) {
-        if (count > std::numeric_limits<std::size_t>::max() / sizeof(T)) throw std::bad_array_new_length();
-        const std::size_t bytes = count * sizeof(T);
-        if (bytes < kLeastMapped) {
-            void* const memory = std::calloc(count, sizeof(T));
-            if (memory == nullptr) throw std::bad_alloc();
-            return static_cast<T*>(memory);
-        }
-        void* const memory = mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
-        if (memory == MAP_FAILED) throw std::bad_alloc();
-#ifdef MADV_HUGEPAGE
-        // Only a hint: where it is refused everything works with small pages, and misses of the address translation
-        // are half of what a walk through a large image costs.
-        madvise(memory, bytes, MADV_HUGEPAGE);
-#endif
-        return static_cast<T*>(memory);
+        if (count > std::numeric_limits<std::size_t>::max() / 2 / sizeof(T)) throw std::bad_array_new_length();
+        return static_cast<T*>(allocate_zero_pages(count * sizeof(T)));
     }
-    void deallocate(T* memory, std::size_t count) {
-        if (count * sizeof(T) < kLeastMapped)
-            std::free(memory);
-        else
-            munmap(memory, count * sizeof(T));
-    }
+    void deallocate(T* memory, std::size_t count) { free_zero_pages(memory, count * sizeof(T)); }
     template <class U>
     void construct(U*) {}
     template <class U, class... Values>
     void construct(U* at, Values&&... values) {
         ::new (static_cast<void*>(at)) U(std::forward<Values>(values)...);
     }
-    friend bool operator==(const ZeroPages&, const ZeroPages&) {
-        return true;
-    }
-
-  private:
-    static constexpr std::size_t kLeastMapped = 4 << 20;  ///< bytes: two huge pages
+    friend bool operator==(const ZeroPages&, const ZeroPages&) { return true; }
 };
 
 template <class T>
