@@ -22,6 +22,7 @@ AlphaSurface make_alpha_surface(const scene::StaticScene& scene, const scene::In
     }
     if (material.base_color_texture == scene::kNoTexture) return surface;
     surface.texture = &scene.textures[material.base_color_texture];
+    surface.last_level = last_alpha_level(*surface.texture);
     surface.texels = scene.texels.data() + surface.texture->first_texel;
     const Vec2 a = surface.uv[1] - surface.uv[0], b = surface.uv[2] - surface.uv[0];
     const float texel_area =

@@ -2,7 +2,8 @@
 // Where a see-through triangle is there: the one rule of all casters, so that they agree in every leaf of every tree.
 //
 //   alpha = base colour factor * vertex colour * nearest texel of the mip whose texels are as large as the ray's
-//           footprint on the triangle
+//           footprint on the triangle, but of no mip with less than 64 texels: those cannot hold a coverage any more
+//           (one texel is all or nothing), and distant trees would lose all leaves at once
 //   masked:  opaque where alpha >= cutoff
 //   blended: opaque where alpha >= a threshold hashed from (instance, triangle, texel), so that coverage is right on
 //            average and nothing flickers (Wyman, McGuire, "Hashed Alpha Testing", I3D 2017)
@@ -24,6 +25,7 @@ struct AlphaSurface {
     float cutoff = 0.0f;                      ///< masked only
     float texels_per_m = 0.0f;                ///< of mip 0, along one side, in the world
     const scene::Texture* texture = nullptr;  ///< none: the factors alone
+    std::uint32_t last_level = 0;             ///< the coarsest mip that still holds a coverage
     const std::uint32_t* texels = nullptr;    ///< of mip 0
     bool is_see_through = false;              ///< else every point is opaque
     bool is_blended = false;
@@ -39,12 +41,19 @@ struct AlphaSurface {
 [[nodiscard]] AlphaSurface make_alpha_surface(const scene::StaticScene& scene, const scene::Instance& instance,
                                               std::uint32_t instance_id, std::uint32_t triangle);
 
+/// The last level of at least 64 texels; 0 for textures that have none.
+[[nodiscard]] inline std::uint32_t last_alpha_level(const scene::Texture& texture) {
+    constexpr int kLogTexels = 6;
+    const int log_area = std::bit_width(texture.width) + std::bit_width(texture.height) - 2;
+    return std::uint32_t(std::max(0, log_area - kLogTexels) / 2);
+}
+
 /// The mip level for a ray that is `footprint_m` wide where it hits: floor(log2(texels under it)), 0 for a footprint of
 /// 0, whole octaves so that every caster finds the same.
 [[nodiscard]] inline std::uint32_t alpha_level(const AlphaSurface& surface, float footprint_m) {
     const float texels = std::max(footprint_m * surface.texels_per_m, 1.0f);
     const auto octave = (std::bit_cast<std::uint32_t>(texels) >> 23) - 127u;
-    return std::min(octave, surface.texture->level_count - 1);
+    return std::min(octave, surface.last_level);
 }
 
 [[nodiscard]] inline float hashed_threshold(std::uint32_t seed, std::uint32_t x, std::uint32_t y) {

@@ -77,7 +77,7 @@ HWY_NOINLINE MF opaque_lanes(MF win, AlphaDraw& draw, const LeafScratch& s, int 
         const scene::Texture& texture = *surface.texture;
         const VF texels = hn::Max(hn::Mul(footprint, hn::Set(f, surface.texels_per_m)), hn::Set(f, 1.0f));
         const VI octave = hn::Sub(hn::ShiftRight<23>(hn::BitCast(si, texels)), hn::Set(si, 127));
-        const VI levels = hn::Min(octave, hn::Set(si, std::int32_t(texture.level_count - 1)));
+        const VI levels = hn::Min(octave, hn::Set(si, std::int32_t(surface.last_level)));
         const VF u = mix(surface.uv[0].x, surface.uv[1].x, surface.uv[2].x);
         const VF v = mix(surface.uv[0].y, surface.uv[1].y, surface.uv[2].y);
         // Mostly all pixels are on one level; a register is done level by level.

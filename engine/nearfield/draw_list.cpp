@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <ranges>
 
 #include "engine/core/check.h"
 
@@ -61,6 +62,20 @@ DrawCommand make_command(const scene::Mesh& mesh, std::uint32_t first_triangle, 
             .base_instance = first_record};
 }
 
+/// A batch for each material that has commands (out.material_commands), and room for them behind those already there.
+void make_batches(std::ranges::input_range auto&& materials, DrawList& out) {
+    out.material_next.assign(out.material_commands.size(), 0);
+    auto next = std::uint32_t(out.commands.size());
+    for (const std::uint32_t material : materials) {
+        const std::uint32_t count = out.material_commands[material];
+        if (count == 0) continue;
+        out.material_next[material] = next;
+        out.batches.push_back({.material = material, .first_command = next, .command_count = count});
+        next += count;
+    }
+    out.commands.resize(next);
+}
+
 float distance_of(const InstanceRecord& record, const scene::Mesh& mesh) {
     const Vec3 c = mesh.bounds.center();
     Vec3 p;
@@ -89,16 +104,7 @@ void make_shaded_draw_list(const scene::StaticScene& scene, const SceneLayout& l
                 ++out.material_commands[group.material];
         }
     }
-    out.material_next.assign(scene.materials.size(), 0);
-    std::uint32_t next = 0;
-    for (std::uint32_t material : draw_order) {
-        const std::uint32_t count = out.material_commands[material];
-        if (count == 0) continue;
-        out.material_next[material] = next;
-        out.batches.push_back({.material = material, .first_command = next, .command_count = count});
-        next += count;
-    }
-    out.commands.resize(next);
+    make_batches(draw_order, out);
     for (std::uint32_t mesh : out.mesh_order) {
         const MeshLayout& mesh_layout = layout.meshes[mesh];
         const std::uint32_t first_record = out.mesh_first_record[mesh], record_count = out.mesh_count[mesh];
@@ -143,16 +149,7 @@ void make_id_draw_list(const scene::StaticScene& scene, const SceneLayout& layou
         for (std::uint32_t g = mesh_layout.opaque_group_count; g < mesh_layout.group_count; ++g)
             ++out.material_commands[layout.groups[mesh_layout.first_group + g].material];
     }
-    out.material_next.assign(scene.materials.size(), 0);
-    auto next = std::uint32_t(out.commands.size());
-    for (std::uint32_t material = 0; material < scene.materials.size(); ++material) {
-        const std::uint32_t count = out.material_commands[material];
-        if (count == 0) continue;
-        out.material_next[material] = next;
-        out.batches.push_back({.material = material, .first_command = next, .command_count = count});
-        next += count;
-    }
-    out.commands.resize(next);
+    make_batches(std::views::iota(0u, std::uint32_t(scene.materials.size())), out);
     for (std::uint32_t mesh : out.mesh_order) {
         const MeshLayout& mesh_layout = layout.meshes[mesh];
         const std::uint32_t count = out.mesh_count[mesh];

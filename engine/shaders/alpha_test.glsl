@@ -7,7 +7,10 @@ float caster_level(vec2 texcoord) {
     vec2 gradient = vec2(dFdx(gl_FragCoord.w), dFdy(gl_FragCoord.w));
     Slope s = slope_of(ray_uv(gl_FragCoord.xy), gl_FragCoord.w, gradient);
     float texels = uv_area_per_pixel(texcoord) * s.slope * material.metallic_roughness.z;
-    return floor(0.5 * log2(max(texels, 1.0)));
+    // No mip with less than 64 texels: it holds no coverage any more.
+    ivec2 size = textureSize(base_color_nearest, 0);
+    int last = max(0, findMSB(size.x) + findMSB(size.y) - 6) / 2;
+    return min(floor(0.5 * log2(max(texels, 1.0))), float(last));
 }
 
 float caster_alpha(vec2 texcoord) {
@@ -29,7 +32,7 @@ uint wrap_texel(float c, int size, int wrap) {
 uvec2 caster_texel(vec2 texcoord, vec2 barycentrics) {
     int wraps = int(material.metallic_roughness.w);  // -1 without a texture
     if (wraps < 0) return uvec2(wrap_texel(barycentrics.x, 64, 1), wrap_texel(barycentrics.y, 64, 1));
-    int level = min(int(caster_level(texcoord)), textureQueryLevels(base_color_nearest) - 1);
+    int level = int(caster_level(texcoord));
     ivec2 size = textureSize(base_color_nearest, level);
     return uvec2(wrap_texel(texcoord.x, size.x, wraps % 3), wrap_texel(texcoord.y, size.y, wraps / 3));
 }

@@ -5,6 +5,7 @@
 
 #include "engine/core/jobs.h"
 #include "engine/frame/renderer.h"
+#include "engine/shading/image_difference.h"
 #include "tests/support/worlds.h"
 
 namespace ff::frame {
@@ -13,15 +14,7 @@ namespace {
 constexpr int kWidth = 200, kHeight = 150;  // neither is a multiple of a tile
 
 double psnr_db(const shading::Image& a, const shading::Image& b) {
-    double squares = 0;
-    for (int y = 0; y < a.height; ++y)
-        for (int x = 0; x < a.width; ++x)
-            for (int shift = 0; shift < 24; shift += 8) {
-                const std::size_t i = std::size_t(y) * std::size_t(a.stride) + std::size_t(x);
-                const double d = double((a.pixels[i] >> shift) & 255) - double((b.pixels[i] >> shift) & 255);
-                squares += d * d;
-            }
-    return 10.0 * std::log10(255.0 * 255.0 * 3.0 * a.width * a.height / std::max(squares, 1e-9));
+    return shading::compare_images(a, b, 0).psnr_db;
 }
 
 class FrameTest : public testing::Test {

@@ -8,6 +8,7 @@
 
 #include "engine/frame/renderer.h"
 #include "engine/nearfield/near_renderer.h"
+#include "engine/shading/image_difference.h"
 #include "tests/gl/gl_fixture.h"
 #include "tests/support/town.h"
 
@@ -20,31 +21,6 @@ constexpr int kWidth = 320, kHeight = 240;
 constexpr double kLeastPsnrDb = 44.0;
 constexpr int kLevels = 3;             ///< of 255; what the two shading programs may differ by
 constexpr double kMostWrong = 0.0005;  ///< share of pixels off by more than kLevels
-
-struct SeamDifference {
-    double psnr_db = 0.0;
-    double wrong = 0.0;
-};
-
-SeamDifference compare(const shading::Image& a, const shading::Image& b) {
-    double squares = 0;
-    int wrong = 0;
-    for (int y = 0; y < a.height; ++y)
-        for (int x = 0; x < a.width; ++x) {
-            const std::uint32_t p = a.pixels[std::size_t(y * a.stride + x)],
-                                q = b.pixels[std::size_t(y * b.stride + x)];
-            int worst = 0;
-            for (int shift = 0; shift < 24; shift += 8) {
-                const int d = int((p >> shift) & 255u) - int((q >> shift) & 255u);
-                squares += d * d;
-                worst = std::max(worst, std::abs(d));
-            }
-            wrong += worst > kLevels;
-        }
-    const double pixels = double(a.width) * a.height;
-    return {.psnr_db = 10.0 * std::log10(255.0 * 255.0 * 3.0 * pixels / std::max(squares, 1e-9)),
-            .wrong = wrong / pixels};
-}
 
 class SeamTest : public test::GlTest {
   protected:
@@ -68,11 +44,11 @@ class SeamTest : public test::GlTest {
                 // The border does move: else the comparison would say nothing.
                 EXPECT_GT(near_pixels, covered) << near_m << " m";
                 covered = near_pixels;
-                const SeamDifference difference = compare(image, far_only);
+                const shading::ImageDifference difference = shading::compare_images(image, far_only, kLevels);
                 fmt::print(stderr, "near {:3} m, {:5} pixels of it: {:.1f} dB, {:.5f} wrong\n", near_m, near_pixels,
-                           difference.psnr_db, difference.wrong);
+                           difference.psnr_db, difference.wrong_pixels);
                 EXPECT_GE(difference.psnr_db, kLeastPsnrDb) << near_m << " m, yaw " << camera.yaw;
-                EXPECT_LE(difference.wrong, kMostWrong) << near_m << " m, yaw " << camera.yaw;
+                EXPECT_LE(difference.wrong_pixels, kMostWrong) << near_m << " m, yaw " << camera.yaw;
             }
         }
     }

@@ -22,24 +22,6 @@ std::uint32_t pixel_of(const shading::Image& image, int x, int y) {
 
 }  // namespace
 
-GoldenDifference golden_difference(const shading::Image& a, const shading::Image& b) {
-    double squares = 0;
-    int wrong = 0;
-    for (int y = 0; y < a.height; ++y)
-        for (int x = 0; x < a.width; ++x) {
-            int worst = 0;
-            for (int shift = 0; shift < 24; shift += 8) {
-                const int d = std::abs(channel(pixel_of(a, x, y), shift) - channel(pixel_of(b, x, y), shift));
-                squares += d * d;
-                worst = std::max(worst, d);
-            }
-            wrong += worst > kGoldenLevels;
-        }
-    const double pixels = double(a.width) * a.height;
-    return {.psnr_db = squares > 0 ? 10.0 * std::log10(255.0 * 255.0 * 3.0 * pixels / squares) : 99.0,
-            .wrong = wrong / pixels};
-}
-
 shading::Image difference_image(const shading::Image& a, const shading::Image& b) {
     shading::Image out;
     out.resize(a.width, a.height);

@@ -3,7 +3,7 @@
 #include <filesystem>
 
 #include "engine/core/result.h"
-#include "engine/shading/shading_pass.h"
+#include "engine/shading/image_difference.h"
 
 namespace ff::test {
 
@@ -12,15 +12,13 @@ inline constexpr double kGoldenLeastPsnrDb = 36.0;
 inline constexpr int kGoldenLevels = 3;           ///< of 255, in any channel
 inline constexpr double kGoldenMostWrong = 0.01;  ///< share of pixels off by more
 
-struct GoldenDifference {
-    double psnr_db = 0.0;  ///< 99 where equal
-    double wrong = 0.0;    ///< share of pixels off by more than kGoldenLevels
-    [[nodiscard]] bool is_within_tolerance() const {
-        return psnr_db >= kGoldenLeastPsnrDb && wrong <= kGoldenMostWrong;
-    }
-};
+[[nodiscard]] inline bool is_within_tolerance(const shading::ImageDifference& difference) {
+    return difference.psnr_db >= kGoldenLeastPsnrDb && difference.wrong_pixels <= kGoldenMostWrong;
+}
 /// Both of one size.
-[[nodiscard]] GoldenDifference golden_difference(const shading::Image& a, const shading::Image& b);
+[[nodiscard]] inline shading::ImageDifference golden_difference(const shading::Image& a, const shading::Image& b) {
+    return shading::compare_images(a, b, kGoldenLevels);
+}
 
 /// Eight times the difference of each channel, to look at.
 [[nodiscard]] shading::Image difference_image(const shading::Image& a, const shading::Image& b);

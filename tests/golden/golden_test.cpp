@@ -17,13 +17,13 @@ TEST_F(GoldenTest, every_mode_draws_the_town_as_it_was) {
         const auto golden = read_golden(shot.name);
         ASSERT_TRUE(golden) << golden.error().message;
         const shading::Image image = (*studio)->draw(shot);
-        const GoldenDifference difference = golden_difference(image, *golden);
-        if (difference.is_within_tolerance()) continue;
+        const shading::ImageDifference difference = golden_difference(image, *golden);
+        if (is_within_tolerance(difference)) continue;
         const auto folder = std::filesystem::path(testing::TempDir());
         const auto actual = folder / (shot.name + ".actual.png"), shown = folder / (shot.name + ".difference.png");
         EXPECT_TRUE(tool::write_image(actual, image));
         EXPECT_TRUE(tool::write_image(shown, difference_image(image, *golden)));
-        ADD_FAILURE() << shot.name << ": " << difference.psnr_db << " dB, " << 100.0 * difference.wrong
+        ADD_FAILURE() << shot.name << ": " << difference.psnr_db << " dB, " << 100.0 * difference.wrong_pixels
                       << " % of pixels off by more than " << kGoldenLevels << " levels; see " << actual << " and "
                       << shown << ", and tests/golden/README.md";
     }
@@ -35,9 +35,9 @@ TEST_F(GoldenTest, a_sun_that_moves_by_5_degrees_is_out_of_tolerance_in_every_mo
     for (const GoldenShot& shot : golden_shots()) {
         const auto golden = read_golden(shot.name);
         ASSERT_TRUE(golden) << golden.error().message;
-        const GoldenDifference difference = golden_difference((*studio)->draw(shot), *golden);
-        EXPECT_FALSE(difference.is_within_tolerance())
-            << shot.name << ": " << difference.psnr_db << " dB, " << 100.0 * difference.wrong << " %";
+        const shading::ImageDifference difference = golden_difference((*studio)->draw(shot), *golden);
+        EXPECT_FALSE(is_within_tolerance(difference))
+            << shot.name << ": " << difference.psnr_db << " dB, " << 100.0 * difference.wrong_pixels << " %";
     }
 }
 

@@ -12,6 +12,7 @@
 #include "engine/core/jobs.h"
 #include "engine/core/log.h"
 #include "engine/core/stopwatch.h"
+#include "engine/shading/image_difference.h"
 #include "tools/ff/heap_counter.h"
 #include "tools/ff/image_file.h"
 #include "tools/ff/session.h"
@@ -45,12 +46,12 @@ struct ErrorSum {
     int worst_frame = 0;
 
     void add(int frame, const shading::Image& image, const shading::Image& reference) {
-        const ImageDifference difference = compare_images(image, reference);
-        const double psnr = std::min(99.0, difference.psnr_db);
+        constexpr int kWrongLevels = 16;  // of 255
+        const auto [psnr, wrong] = shading::compare_images(image, reference, kWrongLevels);
         psnr_sum += psnr;
         if (psnr < psnr_min) worst_frame = frame;
         psnr_min = std::min(psnr_min, psnr);
-        wrong_sum += difference.wrong_pixels_pct;
+        wrong_sum += 100.0 * wrong;
     }
     [[nodiscard]] json report(double frames) const {
         return {{"psnr_db_mean", psnr_sum / frames},
@@ -131,7 +132,7 @@ void time_laps(Session& session, std::vector<ModeRun>& runs, int laps, std::size
                 const Camera camera = session.walk().camera(f);
                 const std::uint64_t allocations = heap_allocations();
                 const frame::FrameStats& stats = run.renderer->draw(camera, session.dynamic(), run.settings, image);
-                if (f >= kWarmUpFrames && lap > 0) {
+                if (f >= kWarmUpFrames) {
                     run.steady_allocations += heap_allocations() - allocations;
                     ++run.steady_frames;
                 }

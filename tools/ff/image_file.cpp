@@ -31,27 +31,6 @@ Status write_image(const std::filesystem::path& path, const shading::Image& imag
     return {};
 }
 
-ImageDifference compare_images(const shading::Image& a, const shading::Image& b) {
-    std::uint64_t squares = 0, wrong = 0;
-    for (int y = 0; y < a.height; ++y) {
-        const std::uint32_t* row_a = a.pixels.data() + std::size_t(y) * std::size_t(a.stride);
-        const std::uint32_t* row_b = b.pixels.data() + std::size_t(y) * std::size_t(b.stride);
-        for (int x = 0; x < a.width; ++x) {
-            int worst = 0;
-            for (int shift = 0; shift < 24; shift += 8) {
-                const int d = int((row_a[x] >> shift) & 0xFF) - int((row_b[x] >> shift) & 0xFF);
-                squares += std::uint64_t(d * d);
-                worst = std::max(worst, std::abs(d));
-            }
-            wrong += worst > kWrongLevels ? 1 : 0;
-        }
-    }
-    const double pixels = double(a.width) * double(a.height);
-    const double mse = double(squares) / (3.0 * pixels);
-    return {.psnr_db = mse > 0.0 ? 10.0 * std::log10(255.0 * 255.0 / mse) : std::numeric_limits<double>::infinity(),
-            .wrong_pixels_pct = 100.0 * double(wrong) / pixels};
-}
-
 Result<VideoWriter> VideoWriter::open(const std::filesystem::path& path, int width, int height, double rate_hz) {
     if (std::system("command -v ffmpeg >/dev/null 2>&1") != 0)
         return failure("--video needs ffmpeg, which is not installed (apt-get install ffmpeg)");

@@ -12,14 +12,6 @@ namespace ff::tool {
 /// Writes an image as PNG, EXR, JPEG ..., by the name's ending; whole or not at all.
 Status write_image(const std::filesystem::path& path, const shading::Image& image);
 
-/// The difference of two images of one size, over their 8-bit sRGB channels.
-struct ImageDifference {
-    double psnr_db = 0.0;           ///< +inf where they are equal; capped at 99 in reports
-    double wrong_pixels_pct = 0.0;  ///< pixels that differ by more than kWrongLevels in some channel
-};
-inline constexpr int kWrongLevels = 16;
-[[nodiscard]] ImageDifference compare_images(const shading::Image& a, const shading::Image& b);
-
 /// Frames into a video file through ffmpeg, at the walk's rate.
 class VideoWriter {
   public:
