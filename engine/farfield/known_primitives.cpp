@@ -1,5 +1,6 @@
 // Candidates are gathered eight at a time into the layout of a direct leaf (scene/bvh.h), each lane with its own
-// instance's transformation, and drawn as the tile caster draws its leaves.
+// instance's transformation, and set up as the tile caster sets up its leaves. The pixels asked for, often few of a
+// tile, are packed into registers row by row, and a triangle tests those of its rows.
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "engine/farfield/known_primitives.cpp"
@@ -9,6 +10,7 @@
 #include <algorithm>
 #include <bit>
 
+#include "engine/core/check.h"
 #include "engine/farfield/beam_rows-inl.h"
 #include "engine/farfield/known_primitives.h"
 
@@ -27,62 +29,53 @@ struct alignas(64) Block {
     std::uint32_t alpha = 0;        // bit per triangle that is masked or blended
 };
 
-HWY_INLINE bool is_see_through(const scene::StaticScene& scene, const scene::Mesh& mesh, std::size_t triangle) {
-    constexpr std::uint32_t kSeeThrough = scene::kMaterialAlphaMask | scene::kMaterialBlend;
-    if ((mesh.material_flags & kSeeThrough) == 0) return false;
-    return (scene.materials[scene.triangle_materials[triangle]].flags & kSeeThrough) != 0;
-}
-
 // Transforms of the instances that came last: a tile's candidates alternate between a few.
 class InstanceLinears {
   public:
     InstanceLinears(const scene::StaticScene& scene, const BeamView& view, const TileRequest& tile)
-        : scene_(scene), position_(view.view.position), tile_from_world_(view.tile_from_world(tile.x, tile.y)) {}
+        : scene_(scene), position_(view.view.position), tile_from_world_(view.tile_from_world(tile.x, tile.y)) {
+        for (std::uint32_t& id : ids_) id = kSkyInstance;
+    }
 
     const Linear (&of(std::uint32_t id))[3] {
         Entry& entry = entries_[id % kEntries];
-        if (id == entry.instance) return entry.xyw;
+        if (id == ids_[id % kEntries]) return entry.xyw;
         const scene::Instance& instance = scene_.instances[id];
         const DVec3 offset = instance.position - position_;
         for (int row = 0; row < 3; ++row)
             entry.xyw[row] = linear_of(tile_from_world_, row, DMat3(instance.world_from_mesh), offset);
-        entry.instance = id;
+        ids_[id % kEntries] = id;
         return entry.xyw;
     }
 
   private:
     static constexpr std::uint32_t kEntries = 16;
     struct Entry {
-        std::uint32_t instance = kSkyInstance;
-        Linear xyw[3]{};
+        Linear xyw[3];
     };
 
     const scene::StaticScene& scene_;
     WorldPos position_;
     DMat3 tile_from_world_;
+    std::uint32_t ids_[kEntries];
     Entry entries_[kEntries];
 };
 
 // Lanes beyond the last repeat it.
-HWY_INLINE void fill(const scene::StaticScene& scene, std::span<const PrimitiveId> ids, InstanceLinears& linears,
-                     Block& block) {
+HWY_INLINE void fill(std::span<const KnownTriangle> triangles, InstanceLinears& linears, Block& block) {
     block.alpha = 0;
     for (std::size_t lane = 0; lane < std::size_t(kFilled); ++lane) {
-        const PrimitiveId id = ids[std::min(lane, ids.size() - 1)];
-        const Linear(&xyw)[3] = linears.of(id.instance);
+        const KnownTriangle& triangle = triangles[std::min(lane, triangles.size() - 1)];
+        const Linear(&xyw)[3] = linears.of(triangle.id.instance);
         for (int row = 0; row < 3; ++row) {
             block.linear[row][0][lane] = xyw[row].x;
             block.linear[row][1][lane] = xyw[row].y;
             block.linear[row][2][lane] = xyw[row].z;
             block.linear[row][3][lane] = xyw[row].c;
         }
-        const scene::Mesh& mesh = scene.meshes[scene.instances[id.instance].mesh];
-        const std::size_t triangle = std::size_t(mesh.first_triangle) + id.triangle;
-        for (std::size_t corner = 0; corner < 3; ++corner) {
-            const Vec3& p = scene.positions[mesh.first_vertex + scene.indices[3 * triangle + corner]];
-            for (int axis = 0; axis < 3; ++axis) block.position[corner][axis][lane] = p[axis];
-        }
-        if (lane < ids.size() && is_see_through(scene, mesh, triangle)) block.alpha |= 1u << lane;
+        for (int corner = 0; corner < 3; ++corner)
+            for (int axis = 0; axis < 3; ++axis) block.position[corner][axis][lane] = triangle.corners[corner][axis];
+        if (lane < triangles.size() && triangle.is_see_through) block.alpha |= 1u << lane;
     }
 }
 
@@ -113,58 +106,147 @@ HWY_INLINE BvhLeaf describe(std::size_t triangles) {
     return leaf;
 }
 
-HWY_INLINE void draw_block(const scene::StaticScene& scene, std::span<const PrimitiveId> ids, const Block& block,
-                           float pixel_angle, Tile& tile) {
+// The pixels asked for, row by row, and what each has found so far; filled up to whole registers.
+struct Pixels {
+    static constexpr int kMost = kTileSize * kTileSize;
+    int count = 0;
+    int first_of_row[kTileSize + 1];
+    alignas(64) float x[kMost], y[kMost];  // tile space
+    alignas(64) float best[kMost];         // 1/depth; 0: nothing; +inf beyond the last
+    alignas(64) std::uint32_t instance[kMost];
+    alignas(64) std::uint32_t triangle[kMost];
+};
+
+// Pixels asked for, within the image, and their bounds in `tile`; false when there are none.
+HWY_INLINE bool begin_pixels(const PinholeView& view, const TileRequest& request, Pixels& pixels, Tile& tile) {
+    const int columns = std::min(kTileSize, view.width - int(request.x));
+    const int rows = std::min(kTileSize, view.height - int(request.y));
+    std::uint32_t any_column = 0, any_row = 0;
+    for (int row = 0; row < kTileSize; ++row) {
+        pixels.first_of_row[row] = pixels.count;
+        if (columns <= 0 || row >= rows) continue;
+        const std::uint32_t bits = request.rows[row] & ((1u << columns) - 1u);
+        any_column |= bits;
+        any_row |= std::uint32_t(bits != 0) << row;
+        for (std::uint32_t left = bits; left != 0; left &= left - 1) {
+            pixels.x[pixels.count] = float(std::countr_zero(left)) - kHalf;
+            pixels.y[pixels.count++] = float(row) - kHalf;
+        }
+    }
+    pixels.first_of_row[kTileSize] = pixels.count;
+    if (any_column == 0) return false;
+    tile.first_column = float(std::countr_zero(any_column));
+    tile.last_column = float(31 - std::countl_zero(any_column));
+    tile.first_row = float(std::countr_zero(any_row));
+    tile.last_row = float(31 - std::countl_zero(any_row));
+    for (int at = 0; at < pixels.count; at += kLanes) {
+        const auto asked = hn::FirstN(f, std::size_t(pixels.count - at));
+        hn::Store(hn::IfThenElse(asked, hn::Zero(f), hn::Set(f, kInf)), f, pixels.best + at);
+        hn::Store(hn::IfThenElseZero(asked, hn::Load(f, pixels.x + at)), f, pixels.x + at);
+        hn::Store(hn::IfThenElseZero(asked, hn::Load(f, pixels.y + at)), f, pixels.y + at);
+        hn::Store(hn::Set(ui, kSkyInstance), ui, pixels.instance + at);
+        hn::Store(hn::Zero(ui), ui, pixels.triangle + at);
+    }
+    return true;
+}
+
+// draw() of beam_rows-inl.h for packed pixels.
+template <bool kAlpha>
+HWY_INLINE void draw_packed(const LeafScratch& s, int i, PrimitiveId id, Pixels& pixels, AlphaDraw* alpha) {
+    const VF a0 = hn::Set(f, s.a[0][i]), a1 = hn::Set(f, s.a[1][i]), a2 = hn::Set(f, s.a[2][i]);
+    const VF b0 = hn::Set(f, s.b[0][i]), b1 = hn::Set(f, s.b[1][i]), b2 = hn::Set(f, s.b[2][i]);
+    const VF c0 = hn::Set(f, s.c[0][i]), c1 = hn::Set(f, s.c[1][i]), c2 = hn::Set(f, s.c[2][i]);
+    const VF gx = hn::Set(f, s.gx[i]), gy = hn::Set(f, s.gy[i]), g0 = hn::Set(f, s.g0[i]);
+    const VF low = hn::Set(f, s.low[i]), high = hn::Set(f, s.high[i]);
+    const VF left = hn::Set(f, float(s.x0[i]) - kHalf), right = hn::Set(f, float(s.x1[i]) - kHalf);
+    const VF upper = hn::Set(f, float(s.y0[i]) - kHalf), lower = hn::Set(f, float(s.y1[i]) - kHalf);
+    const auto own_instance = hn::Set(ui, id.instance), own_triangle = hn::Set(ui, id.triangle);
+    const int end = pixels.first_of_row[s.y1[i] + 1];
+    for (int at = pixels.first_of_row[s.y0[i]] / kLanes * kLanes; at < end; at += kLanes) {
+        const VF x = hn::Load(f, pixels.x + at), y = hn::Load(f, pixels.y + at);
+        const VF e[3] = {hn::MulAdd(a0, x, hn::MulAdd(b0, y, c0)), hn::MulAdd(a1, x, hn::MulAdd(b1, y, c1)),
+                         hn::MulAdd(a2, x, hn::MulAdd(b2, y, c2))};
+        // Not-a-number (a sliver's plane) becomes `low`: x86's max returns its second operand then.
+        const VF inverse_depth = hn::Min(hn::Max(hn::MulAdd(gx, x, hn::MulAdd(gy, y, g0)), low), high);
+        const VF best = hn::Load(f, pixels.best + at);
+        const MF within =
+            hn::And(hn::And(hn::Ge(x, left), hn::Le(x, right)), hn::And(hn::Ge(y, upper), hn::Le(y, lower)));
+        const MF inside = hn::And(within, hn::Ge(min3(e[0], e[1], e[2]), hn::Zero(f)));
+        MF win = hn::And(inside, hn::Ge(inverse_depth, best));
+        if (hn::AllFalse(f, win)) continue;
+        const auto old_instance = hn::Load(ui, pixels.instance + at), old_triangle = hn::Load(ui, pixels.triangle + at);
+        const auto smaller = hn::Or(hn::Lt(own_instance, old_instance),
+                                    hn::And(hn::Eq(own_instance, old_instance), hn::Lt(own_triangle, old_triangle)));
+        win = hn::And(win, hn::Or(hn::Gt(inverse_depth, best), hn::RebindMask(f, smaller)));
+        if constexpr (kAlpha) win = opaque_lanes(win, *alpha, s, i, e, inverse_depth);
+        const auto win_u = hn::RebindMask(ui, win);
+        hn::Store(hn::IfThenElse(win, inverse_depth, best), f, pixels.best + at);
+        hn::Store(hn::IfThenElse(win_u, own_instance, old_instance), ui, pixels.instance + at);
+        hn::Store(hn::IfThenElse(win_u, own_triangle, old_triangle), ui, pixels.triangle + at);
+    }
+}
+
+HWY_INLINE void draw_block(const scene::StaticScene& scene, std::span<const KnownTriangle> triangles,
+                           const Block& block, float pixel_angle, const Tile& tile, Pixels& pixels) {
     constexpr bool kDirect = kLanes <= kBlock;
     LeafScratch s;
-    const BvhLeaf leaf = describe(ids.size());
+    const BvhLeaf leaf = describe(triangles.size());
     const bool projected = transform(block, s);
     std::uint32_t bits = 0;
     for (int first = 0; first < leaf.triangle_count; first += kLanes)
         bits |= projected ? set_up<true, kDirect>(leaf, first, tile, s) : set_up<false, kDirect>(leaf, first, tile, s);
     for (; bits != 0; bits &= bits - 1) {
         const int i = std::countr_zero(bits);
-        const PrimitiveId id = ids[std::size_t(i)];
+        const KnownTriangle& triangle = triangles[std::size_t(i)];
         if ((block.alpha >> i) & 1) {
-            AlphaDraw alpha{scene, id.instance, id.triangle, pixel_angle, {}, false, {}};
-            for (int k = 0; k < 3; ++k)
-                alpha.corners[k] = {block.position[k][0][i], block.position[k][1][i], block.position[k][2][i]};
-            draw<true>(s, i, id.instance, id.triangle, tile, &alpha);
+            AlphaDraw alpha{scene, triangle.id.instance, triangle.id.triangle, pixel_angle, {}, false, {}};
+            std::copy_n(triangle.corners, 3, alpha.corners);
+            draw_packed<true>(s, i, triangle.id, pixels, &alpha);
         } else {
-            draw<false>(s, i, id.instance, id.triangle, tile, nullptr);
+            draw_packed<false>(s, i, triangle.id, pixels, nullptr);
         }
     }
-    if (tile.changed) find_farthest(tile);
 }
 
-// Moves the pixels that nothing covers from `rows` to `missed`.
-HWY_INLINE void split_missed(const Tile& tile, std::uint16_t (&rows)[kTileSize], TileRequest& missed) {
+// Pixels that found something go to `out`, the others to `missed`.
+HWY_INLINE void write_pixels(const Pixels& pixels, const TileRequest& request, VisibilityBuffer& out,
+                             TileRequest& missed) {
+    float* const depths = out.depth.data();
+    std::uint32_t *const instances = out.instance.data(), *const triangles = out.triangle.data();
     for (int row = 0; row < kTileSize; ++row) {
+        const std::size_t first = out.index(request.x, request.y + row);
         std::uint32_t empty = 0;
-        for (int chunk = 0; chunk < kTileSize; chunk += kLanes)
-            empty |= bits_of(hn::Eq(hn::Load(f, tile.best + row * kTileSize + chunk), hn::Zero(f))) << chunk;
-        missed.rows[row] = std::uint16_t(rows[row] & empty);
-        rows[row] = std::uint16_t(rows[row] & ~empty);
+        for (int at = pixels.first_of_row[row]; at < pixels.first_of_row[row + 1]; ++at) {
+            const int column = int(pixels.x[at] + kHalf);
+            if (pixels.best[at] == 0.0f) {
+                empty |= 1u << column;
+                continue;
+            }
+            const std::size_t to = first + std::size_t(column);
+            depths[to] = 1.0f / pixels.best[at];
+            instances[to] = pixels.instance[at];
+            triangles[to] = pixels.triangle[at];
+        }
+        missed.rows[row] = std::uint16_t(empty);
     }
 }
 
 }  // namespace
 
 void CastKnownTile(const scene::StaticScene& scene, const BeamView& view, const TileRequest& request,
-                   std::span<const PrimitiveId> candidates, VisibilityBuffer& out, TileRequest& missed) {
+                   std::span<const KnownTriangle> candidates, VisibilityBuffer& out, TileRequest& missed) {
     missed = {request.x, request.y, {}};
-    Tile tile;
-    std::uint16_t rows[kTileSize];
-    if (!begin_tile(view.view, request, rows, tile)) return;
+    Pixels pixels;
+    Tile tile;  // only its bounds: no candidate is dropped for its depth, they are too few
+    if (!begin_pixels(view.view, request, pixels, tile)) return;
     InstanceLinears linears(scene, view, request);
     Block block;
     for (std::size_t first = 0; first < candidates.size(); first += std::size_t(kBlock)) {
-        const auto ids = candidates.subspan(first, std::min(candidates.size() - first, std::size_t(kBlock)));
-        fill(scene, ids, linears, block);
-        draw_block(scene, ids, block, view.pixel_angle, tile);
+        const auto some = candidates.subspan(first, std::min(candidates.size() - first, std::size_t(kBlock)));
+        fill(some, linears, block);
+        draw_block(scene, some, block, view.pixel_angle, tile, pixels);
     }
-    split_missed(tile, rows, missed);
-    write_tile(tile, request, rows, out);
+    write_pixels(pixels, request, out, missed);
 }
 
 }  // namespace HWY_NAMESPACE
@@ -177,28 +259,58 @@ namespace beam {
 HWY_EXPORT(CastKnownTile);
 }
 
-void PrimitiveSet::clear() {
-    count_ = 0;
-    slots_.fill(0);
+namespace {
+
+bool is_see_through(const scene::StaticScene& scene, const scene::Mesh& mesh, std::size_t triangle) {
+    constexpr std::uint32_t kSeeThrough = scene::kMaterialAlphaMask | scene::kMaterialBlend;
+    if ((mesh.material_flags & kSeeThrough) == 0) return false;
+    return (scene.materials[scene.triangle_materials[triangle]].flags & kSeeThrough) != 0;
 }
 
-void PrimitiveSet::add(std::uint32_t instance, std::uint32_t triangle) {
-    if (instance == kSkyInstance || count_ == kCapacity) return;
-    const PrimitiveId id{instance, triangle};
-    if (count_ != 0 && ids_[count_ - 1] == id) return;
-    const std::uint32_t hash = (instance * 0x9E3779B1u) ^ (triangle * 0x85EBCA77u);
-    for (std::size_t slot = hash >> 21;; slot = (slot + 1) % slots_.size()) {
-        if (slots_[slot] == 0) {
-            ids_[count_++] = id;
-            slots_[slot] = std::uint16_t(count_);
-            return;
+}  // namespace
+
+void PrimitiveSet::start(std::span<PrimitiveId> room) {
+    FF_CHECK(room.size() >= kCapacity, "room for {} primitives, {} needed", room.size(), kCapacity);
+    for (std::size_t i = 0; i < count_; ++i) slots_[slot_of_[i]] = 0;
+    count_ = 0;
+    ids_ = room;
+}
+
+void fetch_triangles(const scene::StaticScene& scene, std::span<const PrimitiveId> ids, std::span<KnownTriangle> out) {
+    FF_CHECK(out.size() >= ids.size(), "{} triangles for {} primitives", out.size(), ids.size());
+    // From instance to mesh to indices to corners each step waits for the one before: all take one step together.
+    constexpr std::size_t kTogether = 64;
+    const scene::Mesh* meshes[kTogether];
+    const std::uint32_t* corners[kTogether];
+    for (std::size_t first = 0; first < ids.size(); first += kTogether) {
+        const std::size_t count = std::min(kTogether, ids.size() - first);
+        for (std::size_t i = 0; i < count; ++i) __builtin_prefetch(&scene.instances[ids[first + i].instance].mesh);
+        for (std::size_t i = 0; i < count; ++i) {
+            meshes[i] = &scene.meshes[scene.instances[ids[first + i].instance].mesh];
+            __builtin_prefetch(meshes[i]);
         }
-        if (ids_[slots_[slot] - 1u] == id) return;
+        for (std::size_t i = 0; i < count; ++i) {
+            const std::size_t triangle = std::size_t(meshes[i]->first_triangle) + ids[first + i].triangle;
+            corners[i] = &scene.indices[3 * triangle];
+            __builtin_prefetch(corners[i]);
+            __builtin_prefetch(&scene.triangle_materials[triangle]);
+        }
+        for (std::size_t i = 0; i < count; ++i)
+            for (int corner = 0; corner < 3; ++corner)
+                __builtin_prefetch(&scene.positions[meshes[i]->first_vertex + corners[i][corner]]);
+        for (std::size_t i = 0; i < count; ++i) {
+            KnownTriangle& triangle = out[first + i];
+            triangle.id = ids[first + i];
+            for (int corner = 0; corner < 3; ++corner)
+                triangle.corners[corner] = scene.positions[meshes[i]->first_vertex + corners[i][corner]];
+            triangle.is_see_through =
+                is_see_through(scene, *meshes[i], std::size_t(meshes[i]->first_triangle) + triangle.id.triangle);
+        }
     }
 }
 
 void cast_known_tile(const scene::StaticScene& scene, const beam::BeamView& view, const TileRequest& request,
-                     std::span<const PrimitiveId> candidates, VisibilityBuffer& out, TileRequest& missed) {
+                     std::span<const KnownTriangle> candidates, VisibilityBuffer& out, TileRequest& missed) {
     using namespace beam;
     HWY_DYNAMIC_DISPATCH(CastKnownTile)(scene, view, request, candidates, out, missed);
 }

@@ -3,8 +3,6 @@
 
 #include "engine/farfield/panorama.h"
 
-#include <sys/mman.h>
-
 #include <glm/geometric.hpp>
 
 #include "engine/core/check.h"
@@ -12,25 +10,6 @@
 #include "engine/farfield/panorama_state.h"
 
 namespace ff::farfield {
-
-namespace {
-
-/// Gives a vector its memory in huge pages where the system has them: a tile of pixels looks at some twenty rows of
-/// each array, every row a page of its own, and misses of the address translation would be half of a lookup's time.
-template <class T>
-void assign_in_huge_pages(std::vector<T>& values, std::size_t count, T value) {
-    values.reserve(count);
-#ifdef MADV_HUGEPAGE
-    constexpr std::uintptr_t kPage = 4096;
-    const auto begin = (reinterpret_cast<std::uintptr_t>(values.data()) + kPage - 1) / kPage * kPage;
-    const auto end = reinterpret_cast<std::uintptr_t>(values.data() + count) / kPage * kPage;
-    // Only a hint: where it is refused everything works with small pages.
-    if (end > begin) madvise(reinterpret_cast<void*>(begin), end - begin, MADV_HUGEPAGE);
-#endif
-    values.assign(count, value);
-}
-
-}  // namespace
 
 Panorama::Panorama(const PanoramaSettings& settings) : state_(std::make_unique<State>()) {
     const int size = settings.face_size;
@@ -51,21 +30,22 @@ Panorama::Panorama(const PanoramaSettings& settings) : state_(std::make_unique<S
     s.map.extent = float(size) / float(size - 2);
     // A tile's row more than the faces need: the kernels read a row below and a texel to the right.
     const std::size_t texels = std::size_t(size) * std::size_t(6 * size + kTileSize);
-    assign_in_huge_pages(s.map.visibility.instance, texels, kUnresolved);
-    assign_in_huge_pages(s.map.visibility.triangle, texels, 0u);
-    assign_in_huge_pages(s.map.visibility.depth, texels, 0.0f);
-    s.map.visibility.resize(size, 6 * size + 1);
-    s.map.visibility.height = 6 * size;
-    FF_CHECK(s.map.visibility.instance.size() == texels, "{} texels, expected {}", s.map.visibility.instance.size(),
-             texels);
-    assign_in_huge_pages(s.map.colors, texels, 0u);
-    assign_in_huge_pages(s.map.records, texels, kNeverTraced);
+    VisibilityBuffer& visibility = s.map.visibility;
+    visibility.width = visibility.stride = size;
+    visibility.height = 6 * size;
+    visibility.rows = 6 * size + kTileSize;
+    visibility.instance.resize(texels);
+    visibility.triangle.resize(texels);
+    visibility.depth.resize(texels);
+    s.map.colors.resize(texels);
+    s.map.records.resize(texels);
     s.map.tiles.assign(std::size_t(6 * s.map.tiles_side) * std::size_t(s.map.tiles_side), TexelTile{});
     s.records.assign(kRecordCount, ConfidenceRecord{});
     s.moved_x.assign(kRecordCount, 0.0f);
     s.moved_y.assign(kRecordCount, 0.0f);
     s.moved_z.assign(kRecordCount, 0.0f);
     s.marked.assign(s.map.tiles.size(), 0);
+    s.dirty_part.resize(s.map.tiles.size());
     s.candidates.reserve(s.map.tiles.size());
     s.changed.reserve(s.map.tiles.size());
     s.dirty.reserve(s.map.tiles.size());
@@ -91,9 +71,16 @@ VisibilityBuffer& Panorama::map() {
 
 void Panorama::clear() {
     State& s = *state_;
-    std::fill(s.map.colors.begin(), s.map.colors.end(), 0u);
-    std::fill(s.map.records.begin(), s.map.records.end(), kNeverTraced);
-    std::fill(s.map.tiles.begin(), s.map.tiles.end(), TexelTile{});
+    const auto side = std::size_t(s.map.tiles_side);
+    for (std::size_t tile = 0; tile < s.map.tiles.size(); ++tile) {
+        if (s.map.tiles[tile].record == kNeverTraced) continue;
+        s.map.tiles[tile] = {};
+        for (std::size_t j = 0; j < kTileSize; ++j) {
+            const std::size_t row = s.map.index(int(tile % side) * kTileSize, int(tile / side * kTileSize + j));
+            std::fill_n(s.map.colors.begin() + std::ptrdiff_t(row), kTileSize, 0u);
+            std::fill_n(s.map.records.begin() + std::ptrdiff_t(row), kTileSize, kNeverTraced);
+        }
+    }
     for (auto& list : s.requests) list.clear();
 }
 
@@ -182,15 +169,22 @@ void Panorama::State::refresh_changed() {
     parallel_ranges(changed.size(), 8, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) refresh_tile(changed[i]);
     });
-    // Quads look a little beyond their tile, so all tiles around have to follow.
+    // Quads look a little beyond their tile, so the sides of the tiles around have to follow.
     const int side = map.tiles_side;
     ++stamp;
     dirty.clear();
     for (const std::uint32_t tile : changed) {
         const int x = int(tile) % side, row = int(tile) / side, face_row = row / side * side;
         for (int j = std::max(row - 1, face_row); j <= std::min(row + 1, face_row + side - 1); ++j)
-            for (int i = std::max(x - 1, 0); i <= std::min(x + 1, side - 1); ++i)
-                mark(std::uint32_t(j * side + i), dirty);
+            for (int i = std::max(x - 1, 0); i <= std::min(x + 1, side - 1); ++i) {
+                const auto neighbour = std::uint32_t(j * side + i);
+                if (marked[neighbour] != stamp) dirty_part[neighbour] = {};
+                mark(neighbour, dirty);
+                const panorama::TexelBox box = panorama::quads_that_see(x - i, row - j);
+                panorama::TexelBox& part = dirty_part[neighbour];
+                part = {std::min(part.x0, box.x0), std::max(part.x1, box.x1), std::min(part.y0, box.y0),
+                        std::max(part.y1, box.y1)};
+            }
     }
     // Neighbours take turns: a tile's quads read its neighbours' colours.
     const panorama::ContrastLimits contrast{settings.edge_contrast, settings.strong_contrast};
@@ -198,7 +192,8 @@ void Panorama::State::refresh_changed() {
         parallel_ranges(dirty.size(), 16, [&](std::size_t begin, std::size_t end) {
             for (std::size_t i = begin; i < end; ++i) {
                 const int x = int(dirty[i]) % side, row = int(dirty[i]) / side;
-                if ((x & 1) + 2 * (row & 1) == turn) panorama::update_quads(map, x, row, contrast);
+                if ((x & 1) + 2 * (row & 1) == turn)
+                    panorama::update_quads(map, x, row, dirty_part[dirty[i]], contrast);
             }
         });
     changed.clear();

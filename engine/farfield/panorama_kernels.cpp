@@ -100,11 +100,10 @@ HWY_INLINE VI bins_of(VF value) {
     return hn::Min(hn::Max(bin, hn::Set(di, kClassFirstStale)), hn::Set(di, kClassLastStale));
 }
 
-HWY_INLINE VI class_of_quad(VI quad) {
-    const DI di;
-    const auto is = [&](std::uint32_t state) { return hn::Eq(quad, hn::Set(di, int(state))); };
-    return hn::Or(hn::IfThenElseZero(is(kQuadEdge), hn::Set(di, kClassEdge)),
-                  hn::IfThenElseZero(is(kQuadNoise), hn::Set(di, kClassNoise)));
+HWY_INLINE std::uint32_t bits_of(hn::Mask<DI> mask) {
+    std::uint8_t bytes[8] = {};
+    hn::StoreMaskBits(DI(), mask, bytes);
+    return hn::Lanes(DI()) > 8 ? std::uint32_t(bytes[0] | bytes[1] << 8) : std::uint32_t(bytes[0]);
 }
 
 /// Where each pixel of a tile falls on the map.
@@ -192,7 +191,12 @@ void resolve(const LookupJob& job, const TileRequest& tile, std::uint32_t record
     const PinholeView& view = *job.view;
     const VI lane = hn::Iota(di, 0);
     const bool wants_visibility = job.target.visibility != nullptr;
+    const auto is = [&](VI state, std::uint32_t value) { return hn::Eq(state, hn::Set(di, int(value))); };
+    auto all_still = hn::Eq(lane, lane);
+    std::uint32_t any = 0;
     for (int j = 0; j < kTileSize; ++j) {
+        std::uint32_t edge = 0, noise = 0, worse = 0;
+        out.edge[std::size_t(j)] = out.noise[std::size_t(j)] = out.worse[std::size_t(j)] = 0;
         if (tile.rows[j] == 0) continue;
         const int y = int(tile.y) + j;
         const float v = (float(y) + 0.5f) * view.v_step + view.v_first;
@@ -255,22 +259,21 @@ void resolve(const LookupJob& job, const TileRequest& tile, std::uint32_t record
 
                 const auto never = hn::Eq(near_record, hn::Set(di, int(kNeverTraced)));
                 const auto stale = hn::RebindMask(di, hn::Gt(measure, hn::Set(df, job.limit)));
-                VI classes = hn::IfThenElseZero(use_quad, class_of_quad(quad));
-                classes = hn::IfThenElse(stale, bins_of(measure), classes);
-                classes = hn::IfThenElse(never, hn::Set(di, kClassNever), classes);
+                const auto bad = hn::Or(stale, never);
+                const VI classes = hn::IfThenElse(never, hn::Set(di, kClassNever), bins_of(measure));
                 hn::StoreU(hn::DemoteTo(d8, classes), d8, out.classes.data() + pixel);
+                worse |= bits_of(hn::And(bad, wanted)) << i;
+                const auto may_mix = hn::And(wanted, hn::AndNot(bad, use_quad));
+                edge |= bits_of(hn::And(may_mix, is(quad, kQuadEdge))) << i;
+                noise |= bits_of(hn::And(may_mix, is(quad, kQuadNoise))) << i;
                 const auto still = hn::RebindMask(di, hn::Eq(parallax, hn::Zero(df)));
+                all_still = hn::And(all_still, hn::Or(still, hn::Not(wanted)));
                 hn::StoreU(hn::DemoteTo(d8, hn::IfThenZeroElse(still, bins_of(parallax))), d8,
                            out.parallax.data() + pixel);
-                if (!hn::AllTrue(di, hn::Or(hn::Not(wanted), hn::Eq(classes, hn::Zero(di))))) out.any = true;
                 wanted = hn::AndNot(never, wanted);
             } else {
-                const auto smooth = hn::Eq(quad, hn::Set(di, int(kQuadSmooth)));
-                if (!hn::AllTrue(di, smooth)) {
-                    const VI classes = class_of_quad(quad);
-                    hn::StoreU(hn::DemoteTo(d8, classes), d8, out.classes.data() + pixel);
-                    out.any = true;
-                }
+                edge |= bits_of(hn::And(wanted, is(quad, kQuadEdge))) << i;
+                noise |= bits_of(hn::And(wanted, is(quad, kQuadNoise))) << i;
             }
 
             const bool all = hn::AllTrue(di, wanted);
@@ -289,55 +292,55 @@ void resolve(const LookupJob& job, const TileRequest& tile, std::uint32_t record
             put(du, hn::Load(du, in.instances + pixel), target.instance.data() + to);
             put(du, hn::Load(du, in.triangles + pixel), target.triangle.data() + to);
         }
+        out.edge[std::size_t(j)] = std::uint16_t(edge);
+        out.noise[std::size_t(j)] = std::uint16_t(noise);
+        out.worse[std::size_t(j)] = std::uint16_t(worse);
+        any |= edge | noise | worse;
     }
+    out.any = any != 0;
+    out.parallax_differs = kCheck && !hn::AllTrue(di, all_still);
 }
 
-void LookupTile(const LookupJob& job, const TileRequest& tile, TileClasses& out) {
+void keep_quads(const TileSamples& samples, TileClasses& out) {
+    std::size_t count = 0;
+    for (std::size_t j = 0; j < kTileSize; ++j)
+        for (std::uint32_t bits = out.edge[j] | out.noise[j]; bits != 0; bits &= bits - 1)
+            out.quads[count++] = samples.quad[j * kTileSize + std::size_t(std::countr_zero(bits))];
+}
+
+void LookupTile(const LookupJob& job, const TileRequest& tile, const TileFootprint& footprint, TileClasses& out) {
     const PanoramaMap& map = *job.map;
-    out.any = false;
     TileSamples samples;
-    const TileFootprint footprint = footprint_of(map, *job.view, tile);
+    out.tile_parallax = 0;
     if (footprint.face < 0) {
-        out.checked = true;
         project<false>(job, tile, 0, samples);
         fetch(job, tile, true, samples);
         resolve<true>(job, tile, kNeverTraced, samples, out);
+        if (out.any) keep_quads(samples, out);
         return;
     }
-    // Where all texels are good, of one record, nothing has to be looked at but colours.
+    // Where all texels are good, of one record, nothing has to be looked at but colours. The nearest decides.
     const int side = map.tiles_side;
-    const TexelTile& first = map.tiles[std::size_t(footprint.y0 / kTileSize * side + footprint.x0 / kTileSize)];
-    bool good = is_tile_good(job, first);
-    float bound = tile_parallax_bound(job, first);
-    for (int ty = footprint.y0 / kTileSize; good && ty <= footprint.y1 / kTileSize; ++ty)
-        for (int tx = footprint.x0 / kTileSize; good && tx <= footprint.x1 / kTileSize; ++tx) {
-            const TexelTile& texels = map.tiles[std::size_t(ty * side + tx)];
-            good = texels.record == first.record && is_tile_good(job, texels);
-            bound = std::max(bound, tile_parallax_bound(job, texels));
+    TexelTile texels = map.tiles[std::size_t(footprint.y0 / kTileSize * side + footprint.x0 / kTileSize)];
+    for (int ty = footprint.y0 / kTileSize; ty <= footprint.y1 / kTileSize; ++ty)
+        for (int tx = footprint.x0 / kTileSize; tx <= footprint.x1 / kTileSize; ++tx) {
+            const TexelTile& other = map.tiles[std::size_t(ty * side + tx)];
+            texels.complete &= other.complete && other.record == texels.record;
+            texels.nearest_m = std::min(texels.nearest_m, other.nearest_m);
         }
-    out.checked = !good;
+    const bool good = is_tile_good(job, texels);
     project<true>(job, tile, footprint.face, samples);
     fetch(job, tile, !good, samples);
     if (good) {
-        std::memset(out.classes.data(), kClassGood, out.classes.size());
-        out.tile_parallax = bin_of(bound);
-        resolve<false>(job, tile, first.record, samples, out);
+        resolve<false>(job, tile, texels.record, samples, out);
+        out.tile_parallax = bin_of(tile_parallax_bound(job, texels));
     } else {
         resolve<true>(job, tile, kNeverTraced, samples, out);
     }
+    if (out.any) keep_quads(samples, out);
 }
 
-void FindQuads(const LookupJob& job, const TileRequest& tile, std::int32_t* quads) {
-    TileSamples samples;
-    const TileFootprint footprint = footprint_of(*job.map, *job.view, tile);
-    if (footprint.face < 0)
-        project<false>(job, tile, 0, samples);
-    else
-        project<true>(job, tile, footprint.face, samples);
-    std::memcpy(quads, samples.quad, sizeof samples.quad);
-}
-
-void UpdateQuads(PanoramaMap& map, int tile_x, int tile_row, const ContrastLimits& contrast) {
+void UpdateQuads(PanoramaMap& map, int tile_x, int tile_row, const TexelBox& box, const ContrastLimits& contrast) {
     const DU du;
     const DU8 d8;
     const hn::Rebind<std::uint16_t, DU> d16;
@@ -346,9 +349,10 @@ void UpdateQuads(PanoramaMap& map, int tile_x, int tile_row, const ContrastLimit
     const auto rgb = hn::Set(du, 0x00FFFFFFu);
     const std::size_t down = std::size_t(map.size);
     const int last = map.size - 1;
-    for (int j = 0; j < kTileSize; ++j) {
+    const int lanes = int(hn::Lanes(du));
+    for (int j = box.y0; j <= box.y1; ++j) {
         const int row = tile_row * kTileSize + j;
-        for (int i = 0; i < kTileSize; i += int(hn::Lanes(du))) {
+        for (int i = box.x0 / lanes * lanes; i <= box.x1; i += lanes) {
             const int x = tile_x * kTileSize + i;
             const std::size_t at = map.index(x, row);
             std::uint32_t* colors = map.colors.data() + at;
@@ -460,17 +464,29 @@ void fetch(const LookupJob& job, const TileRequest& tile, bool check, TileSample
 }
 
 HWY_EXPORT(LookupTile);
-HWY_EXPORT(FindQuads);
 HWY_EXPORT(UpdateQuads);
 
-void lookup_tile(const LookupJob& job, const TileRequest& tile, TileClasses& out) {
-    HWY_DYNAMIC_DISPATCH(LookupTile)(job, tile, out);
+void prefetch_colors(const PanoramaMap& map, const TileFootprint& footprint) {
+    if (footprint.face < 0) return;
+    constexpr int kLine = 64 / sizeof(std::uint32_t);
+    for (int row = footprint.y0; row <= footprint.y1; ++row) {
+        const std::uint32_t* first = map.colors.data() + map.index(footprint.x0, row);
+        const int width = footprint.x1 - footprint.x0;
+        for (int x = 0; x < width; x += kLine) __builtin_prefetch(first + x);
+        __builtin_prefetch(first + width);
+    }
 }
-void find_quads(const LookupJob& job, const TileRequest& tile, std::span<std::int32_t, kTileSize * kTileSize> quads) {
-    HWY_DYNAMIC_DISPATCH(FindQuads)(job, tile, quads.data());
+
+void lookup_tile(const LookupJob& job, const TileRequest& tile, const TileFootprint& footprint, TileClasses& out) {
+    HWY_DYNAMIC_DISPATCH(LookupTile)(job, tile, footprint, out);
 }
-void update_quads(PanoramaMap& map, int tile_x, int tile_row, const ContrastLimits& contrast) {
-    HWY_DYNAMIC_DISPATCH(UpdateQuads)(map, tile_x, tile_row, contrast);
+void update_quads(PanoramaMap& map, int tile_x, int tile_row, const TexelBox& box, const ContrastLimits& contrast) {
+    HWY_DYNAMIC_DISPATCH(UpdateQuads)(map, tile_x, tile_row, box, contrast);
+}
+
+TexelBox quads_that_see(int dx, int dy) {
+    constexpr std::uint8_t kFirst[3] = {0, 0, kTileSize - 2}, kLast[3] = {0, kTileSize - 1, kTileSize - 1};
+    return {kFirst[dx + 1], kLast[dx + 1], kFirst[dy + 1], kLast[dy + 1]};
 }
 
 float bin_upper_end(std::uint8_t bin) {

@@ -23,13 +23,27 @@ inline constexpr int kBinShift = 20;
 [[nodiscard]] float bin_upper_end(std::uint8_t bin);
 [[nodiscard]] std::uint8_t bin_of(float value);
 
-/// Per pixel of a tile, row-major.
-struct TileClasses {
-    std::array<std::uint8_t, kTileSize * kTileSize> classes;   ///< valid where `any`
-    std::array<std::uint8_t, kTileSize * kTileSize> parallax;  ///< bins; valid where `checked`
+/// The pixels asked for of one tile by what became of them: bit i of a row is its i-th pixel.
+struct alignas(64) TileClasses {
+    using Rows = std::array<std::uint16_t, kTileSize>;
+    Rows edge;   ///< kClassEdge
+    Rows noise;  ///< kClassNoise
+    Rows worse;  ///< kClassFirstStale and above, class by class in `classes`
+    /// The upper left of the four texels around each edge and noise pixel, row by row, as indices into the map.
+    std::array<std::int32_t, kTileSize * kTileSize> quads;
+    std::array<std::uint8_t, kTileSize * kTileSize> classes;   ///< row-major; valid at `worse` pixels
+    std::array<std::uint8_t, kTileSize * kTileSize> parallax;  ///< bins; valid where parallax_differs
     bool any = false;                                          ///< some pixel is not good
-    bool checked = false;  ///< texel by texel; else all are good and have the parallax below
+    bool parallax_differs = false;                             ///< pixel by pixel; else all have the parallax below
     std::uint8_t tile_parallax = 0;
+
+    [[nodiscard]] std::uint8_t class_at(int row, int column) const {
+        const auto j = std::size_t(row);
+        const std::uint32_t bit = 1u << column;
+        if ((worse[j] & bit) != 0) return classes[j * kTileSize + std::size_t(column)];
+        if ((noise[j] & bit) != 0) return kClassNoise;
+        return (edge[j] & bit) != 0 ? kClassEdge : kClassGood;
+    }
 };
 
 struct LookupJob {
@@ -57,19 +71,27 @@ struct TileFootprint {
 /// Whether all texels of a tile of texels may be used as they are.
 [[nodiscard]] bool is_tile_good(const LookupJob& job, const TexelTile& tile);
 
-/// Writes what the map knows of the wanted pixels to the target, and sorts them into classes.
-void lookup_tile(const LookupJob& job, const TileRequest& tile, TileClasses& out);
+/// Asks the memory for the colours that a lookup of this footprint will read.
+void prefetch_colors(const PanoramaMap& map, const TileFootprint& footprint);
 
-/// The upper left of the four texels around each pixel of a tile, as indices into the map; valid in rows asked for.
-void find_quads(const LookupJob& job, const TileRequest& tile, std::span<std::int32_t, kTileSize * kTileSize> quads);
+/// Writes what the map knows of the wanted pixels to the target, and sorts them into classes.
+/// @param footprint  of the tile
+void lookup_tile(const LookupJob& job, const TileRequest& tile, const TileFootprint& footprint, TileClasses& out);
 
 /// Of 255, in any channel; see PanoramaSettings.
 struct ContrastLimits {
     int edge = 0, strong = 0;
 };
 
-/// Computes the quad states (alpha bytes) of one tile of texels. Reads a texel to the left and above, two to the right
-/// and below.
-void update_quads(PanoramaMap& map, int tile_x, int tile_row, const ContrastLimits& contrast);
+/// Texels of a tile, inclusive; nothing as it is made.
+struct TexelBox {
+    std::uint8_t x0 = kTileSize, x1 = 0, y0 = kTileSize, y1 = 0;
+};
+/// The quads of a tile to compute anew when the neighbour that lies (dx, dy) tiles away from the tile has changed.
+[[nodiscard]] TexelBox quads_that_see(int dx, int dy);
+
+/// Computes quad states (alpha bytes) of one tile of texels: at least those of `box`. Reads a texel to the left and
+/// above, two to the right and below.
+void update_quads(PanoramaMap& map, int tile_x, int tile_row, const TexelBox& box, const ContrastLimits& contrast);
 
 }  // namespace ff::farfield::panorama

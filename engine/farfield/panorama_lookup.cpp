@@ -48,31 +48,55 @@ bool is_chosen(std::uint64_t i, const Selection& s) {
     return (i + 1) * s.part / s.whole > i * s.part / s.whole;
 }
 
+using Rows = TileClasses::Rows;
+
+std::uint64_t count(const Rows& rows) {
+    std::uint64_t bits = 0;
+    for (const std::uint16_t row : rows) bits += std::uint64_t(std::popcount(row));
+    return bits;
+}
+
+Rows rows_of(const TileRequest& tile) {
+    Rows rows;
+    std::copy_n(tile.rows, rows.size(), rows.begin());
+    return rows;
+}
+
+Rows combine(const Rows& a, const Rows& b) {
+    Rows rows;
+    for (std::size_t j = 0; j < rows.size(); ++j) rows[j] = std::uint16_t(a[j] | b[j]);
+    return rows;
+}
+
 template <class Visit>
-void visit_pixels(const TileRequest& tile, Visit&& visit) {
+void visit_pixels(const Rows& rows, Visit&& visit) {
     for (int j = 0; j < kTileSize; ++j)
-        for (std::uint32_t bits = tile.rows[j]; bits != 0; bits &= bits - 1) visit(j, std::countr_zero(bits));
+        for (std::uint32_t bits = rows[std::size_t(j)]; bits != 0; bits &= bits - 1) visit(j, std::countr_zero(bits));
 }
 
 /// A tile's walk costs nearly the same for one pixel as for all: where nothing but a few edges asks for it, they are
 /// verified instead.
-void verify_few(const TileRequest& wanted, int few, TileClasses& tile) {
-    int noise = 0;
-    bool must_cast = false;
-    visit_pixels(wanted, [&](int j, int i) {
-        const std::uint8_t c = tile.classes[std::size_t(j * kTileSize + i)];
-        noise += c == panorama::kClassNoise;
-        must_cast |= c >= panorama::kClassFirstStale;
-    });
-    if (must_cast || noise > few) return;
-    for (std::uint8_t& c : tile.classes)
-        if (c == panorama::kClassNoise) c = panorama::kClassEdge;
+void verify_few(int few, TileClasses& tile) {
+    if (count(tile.worse) != 0 || count(tile.noise) > std::uint64_t(few)) return;
+    tile.edge = combine(tile.edge, tile.noise);
+    tile.noise.fill(0);
 }
 
-std::uint64_t count_wanted(const TileRequest& tile) {
-    std::uint64_t count = 0;
-    for (const std::uint16_t row : tile.rows) count += std::uint64_t(std::popcount(row));
-    return count;
+/// The pixels to cast of a tile. rank: of its first pixel among all of the threshold's class.
+Rows choose_pixels(const TileClasses& tile, const Selection& selection, std::uint64_t rank) {
+    Rows chosen{};
+    if (selection.part == selection.whole && selection.threshold <= panorama::kClassFirstStale) {
+        chosen = tile.worse;
+        if (selection.threshold <= panorama::kClassNoise) chosen = combine(chosen, tile.noise);
+        if (selection.threshold <= panorama::kClassEdge) chosen = combine(chosen, tile.edge);
+        return chosen;
+    }
+    visit_pixels(combine(tile.worse, combine(tile.noise, tile.edge)), [&](int j, int i) {
+        const std::uint8_t c = tile.class_at(j, i);
+        if (c > selection.threshold || (c == selection.threshold && is_chosen(rank++, selection)))
+            chosen[std::size_t(j)] = std::uint16_t(chosen[std::size_t(j)] | 1u << i);
+    });
+    return chosen;
 }
 
 }  // namespace
@@ -87,6 +111,7 @@ PanoramaStats Panorama::lookup(const PinholeView& view, std::span<const TileRequ
     job.target = target;
     if (s.classes.size() < wanted.size()) s.classes.resize(wanted.size());
     if (s.at_threshold.size() < wanted.size()) s.at_threshold.resize(wanted.size());
+    if (s.edge_tiles.capacity() < wanted.size()) s.edge_tiles.reserve(wanted.size());
     const std::size_t tasks = (wanted.size() + kTilesPerTask - 1) / kTilesPerTask;
     if (s.task_classes.size() < tasks) s.task_classes.resize(tasks), s.task_parallax.resize(tasks);
 
@@ -94,12 +119,21 @@ PanoramaStats Panorama::lookup(const PinholeView& view, std::span<const TileRequ
     parallel_ranges(wanted.size(), kTilesPerTask, [&](std::size_t begin, std::size_t end) {
         Histogram& histogram = s.task_classes[begin / kTilesPerTask];
         histogram.fill(0);
+        // The next tile's colours are on their way while one is looked up.
+        panorama::TileFootprint next = panorama::footprint_of(s.map, view, wanted[begin]);
         for (std::size_t t = begin; t < end; ++t) {
             TileClasses& tile = s.classes[t];
-            panorama::lookup_tile(job, wanted[t], tile);
+            const panorama::TileFootprint footprint = next;
+            if (t + 1 < end) {
+                next = panorama::footprint_of(s.map, view, wanted[t + 1]);
+                panorama::prefetch_colors(s.map, next);
+            }
+            panorama::lookup_tile(job, wanted[t], footprint, tile);
             if (!tile.any) continue;
-            if (limits.edges == EdgeRule::verify) verify_few(wanted[t], s.settings.few_pixels, tile);
-            visit_pixels(wanted[t], [&](int j, int i) { ++histogram[tile.classes[std::size_t(j * kTileSize + i)]]; });
+            if (limits.edges == EdgeRule::verify) verify_few(s.settings.few_pixels, tile);
+            histogram[panorama::kClassEdge] += count(tile.edge);
+            histogram[panorama::kClassNoise] += count(tile.noise);
+            visit_pixels(tile.worse, [&](int j, int i) { ++histogram[tile.class_at(j, i)]; });
         }
     });
     Histogram histogram{};
@@ -113,9 +147,8 @@ PanoramaStats Panorama::lookup(const PinholeView& view, std::span<const TileRequ
         const TileClasses& tile = s.classes[t];
         s.at_threshold[t] = std::uint32_t(before);
         if (!tile.any || selection.part == selection.whole) continue;
-        visit_pixels(wanted[t], [&](int j, int i) {
-            before += tile.classes[std::size_t(j * kTileSize + i)] == selection.threshold;
-        });
+        visit_pixels(combine(tile.worse, combine(tile.noise, tile.edge)),
+                     [&](int j, int i) { before += tile.class_at(j, i) == selection.threshold; });
     }
     const bool verify = limits.edges == EdgeRule::verify;
     for (std::vector<TileRequest>* list : {&to_cast, &s.edges}) {
@@ -131,33 +164,38 @@ PanoramaStats Panorama::lookup(const PinholeView& view, std::span<const TileRequ
             const TileClasses& tile = s.classes[t];
             TileRequest &cast = to_cast[t], &edges = s.edges[t];
             cast = edges = {wanted[t].x, wanted[t].y, {}};
-            if (!tile.any && !tile.checked) {
-                const std::uint64_t count = count_wanted(wanted[t]);
-                counts[panorama::kClassGood] += count;
-                reused_parallax[tile.tile_parallax] += count;
-                continue;
+            const Rows asked = rows_of(wanted[t]);
+            Rows shown = asked;
+            std::uint64_t stale = 0;
+            if (tile.any) {
+                const Rows chosen = choose_pixels(tile, selection, s.at_threshold[t]);
+                for (std::size_t j = 0; j < asked.size(); ++j) {
+                    cast.rows[j] = chosen[j];
+                    shown[j] = std::uint16_t(asked[j] & ~chosen[j]);
+                    if (verify) edges.rows[j] = std::uint16_t((tile.edge[j] | tile.noise[j]) & ~chosen[j]);
+                    const auto good = std::uint16_t(chosen[j] & ~tile.worse[j]);
+                    counts[kCastEdgeCount] += std::uint64_t(std::popcount(good));
+                    // What was never seen has nothing to show; the rest is shown as it was.
+                    for (std::uint32_t bits = tile.worse[j] & shown[j]; bits != 0; bits &= bits - 1) {
+                        const int i = std::countr_zero(bits);
+                        if (tile.class_at(int(j), i) == panorama::kClassNever) {
+                            shown[j] = std::uint16_t(shown[j] & ~(1u << i));
+                            ++counts[kUnansweredCount];
+                        } else {
+                            ++stale;
+                        }
+                    }
+                }
+                counts[kCastCount] += count(chosen);
             }
-            std::uint64_t rank = s.at_threshold[t];
-            visit_pixels(wanted[t], [&](int j, int i) {
-                const std::size_t at = std::size_t(j * kTileSize + i);
-                const std::uint8_t c = tile.classes[at];
-                const bool chosen =
-                    c > selection.threshold || (c == selection.threshold && is_chosen(rank++, selection));
-                if (chosen) {
-                    cast.rows[j] = std::uint16_t(cast.rows[j] | 1u << i);
-                    ++counts[kCastCount];
-                    counts[kCastEdgeCount] += c < panorama::kClassFirstStale;
-                    return;
-                }
-                if (c == panorama::kClassNever) {
-                    ++counts[kUnansweredCount];
-                    return;
-                }
-                if (verify && (c == panorama::kClassEdge || c == panorama::kClassNoise))
-                    edges.rows[j] = std::uint16_t(edges.rows[j] | 1u << i);
-                ++counts[c < panorama::kClassFirstStale ? panorama::kClassGood : kStaleCount];
-                ++reused_parallax[tile.checked ? tile.parallax[at] : tile.tile_parallax];
-            });
+            const std::uint64_t shown_count = count(shown);
+            counts[panorama::kClassGood] += shown_count - stale;
+            counts[kStaleCount] += stale;
+            if (tile.parallax_differs)
+                visit_pixels(shown,
+                             [&](int j, int i) { ++reused_parallax[tile.parallax[std::size_t(j * kTileSize + i)]]; });
+            else
+                reused_parallax[tile.tile_parallax] += shown_count;
         }
     });
 
@@ -180,12 +218,15 @@ PanoramaStats Panorama::lookup(const PinholeView& view, std::span<const TileRequ
         seen += parallax[b];
         stats.parallax_max_px = panorama::bin_upper_end(std::uint8_t(b));
     }
-    for (std::vector<TileRequest>* list : {&to_cast, &s.edges})
-        std::erase_if(*list, [](const TileRequest& tile) {
-            std::uint32_t any = 0;
-            for (const std::uint16_t row : tile.rows) any |= row;
-            return any == 0;
-        });
+    const auto is_empty = [](const TileRequest& tile) {
+        std::uint32_t any = 0;
+        for (const std::uint16_t row : tile.rows) any |= row;
+        return any == 0;
+    };
+    std::erase_if(to_cast, is_empty);
+    s.edge_tiles.clear();
+    for (std::size_t t = 0; verify && t < wanted.size(); ++t)
+        if (!is_empty(s.edges[t])) s.edge_tiles.push_back(std::uint32_t(t));
     return stats;
 }
 

@@ -41,10 +41,11 @@ struct PanoramaMap {
     int size = 0;        ///< texels a side of a face
     int tiles_side = 0;  ///< texel tiles a side of a face
     float extent = 1;    ///< tangent of a face's half angle: a bit over 1, so that no lookup needs two faces at once
-    VisibilityBuffer visibility;         // 75 MiB at 1024; the depth is along the face's axis
-    std::vector<std::uint32_t> colors;   // 25 MiB at 1024; alpha is the state of the texel's quad
-    std::vector<std::uint16_t> records;  // 12 MiB at 1024
-    std::vector<TexelTile> tiles;        ///< row-major, tiles_side a row, faces below each other
+    // Only the pages of texels that were cast are ever touched: all zero is "never cast".
+    VisibilityBuffer visibility;            // 75 MiB at 1024; the depth is along the face's axis
+    ZeroPageVector<std::uint32_t> colors;   // 25 MiB at 1024; alpha is the state of the texel's quad
+    ZeroPageVector<std::uint16_t> records;  // 12 MiB at 1024
+    std::vector<TexelTile> tiles;           ///< row-major, tiles_side a row, faces below each other
 
     [[nodiscard]] TexelTile& tile_at(int texel_x, int texel_row) {
         return tiles[std::size_t(texel_row / kTileSize) * std::size_t(tiles_side) + std::size_t(texel_x / kTileSize)];

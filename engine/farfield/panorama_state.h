@@ -37,12 +37,15 @@ struct Panorama::State {
     std::vector<panorama::TileClasses> classes;  ///< per wanted tile
     std::vector<std::uint32_t> at_threshold;     ///< per wanted tile: pixels of the class that is cast in part
 
-    std::vector<TileRequest> edges;  ///< pixels left aside for verify_edges
+    // Pixels left aside for verify_edges.
+    std::vector<TileRequest> edges;         ///< per wanted tile
+    std::vector<std::uint32_t> edge_tiles;  ///< those that have any
 
     std::vector<PixelHistogram> task_classes, task_parallax;  ///< per parallel task
 
     // Texel tiles whose contents changed.
     std::vector<std::uint32_t> changed, dirty;
+    std::vector<panorama::TexelBox> dirty_part;  ///< per texel tile: its quads to compute anew; valid for dirty ones
 
     [[nodiscard]] panorama::LookupJob job(const PinholeView& view, const PanoramaLimits& limits);
     void mark(std::uint32_t tile, std::vector<std::uint32_t>& list);

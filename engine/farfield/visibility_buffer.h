@@ -2,8 +2,10 @@
 // The one meeting place of all that finds visibility (design.md section 1): which triangle of which instance each pixel
 // sees, and how far. The near rasteriser, reprojection and every ray caster write it; the shading pass reads it once.
 
+#include <cstddef>
 #include <cstdint>
-#include <vector>
+
+#include "engine/farfield/zero_pages.h"
 
 namespace ff::farfield {
 
@@ -13,11 +15,11 @@ inline constexpr int kTileSize = 16;                        ///< pixels; tiles s
 
 /// Structure of arrays, row-major from the top left; rows padded to whole tiles, as is the height.
 struct VisibilityBuffer {
-    int width = 0, height = 0;            ///< pixels
-    int stride = 0, rows = 0;             ///< width and height rounded up to tiles
-    std::vector<std::uint32_t> instance;  ///< id in StaticScene::instances; from instance_count on, dynamic ones
-    std::vector<std::uint32_t> triangle;  ///< within the instance's mesh
-    std::vector<float> depth;             ///< along the view axis, metres; +inf for sky
+    int width = 0, height = 0;               ///< pixels
+    int stride = 0, rows = 0;                ///< width and height rounded up to tiles
+    ZeroPageVector<std::uint32_t> instance;  ///< id in StaticScene::instances; from instance_count on, dynamic ones
+    ZeroPageVector<std::uint32_t> triangle;  ///< within the instance's mesh
+    ZeroPageVector<float> depth;             ///< along the view axis, metres; +inf for sky
 
     void resize(int new_width, int new_height);
     [[nodiscard]] std::size_t index(int x, int y) const {

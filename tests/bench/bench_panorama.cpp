@@ -1,19 +1,29 @@
 // What the panorama saves and what it costs in accuracy: a turn on the spot and a walk, against casting and shading
 // every pixel. Usage: bench_panorama [frames] [face size] [edge contrast] [image directory]
+// Or what each step of a frame costs on a pack's walk, every map filled from nothing, and a hash of the pictures:
+// bench_panorama PACK.ffpack:WALK [laps]
 // Times are processor time of one worker.
 
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "engine/core/jobs.h"
+#include "engine/farfield/beam_caster.h"
+#include "engine/farfield/horizon.h"
 #include "engine/farfield/panorama.h"
 #include "engine/farfield/ray_caster.h"
+#include "engine/scene/load_world.h"
+#include "engine/scene/walk.h"
+#include "engine/scene/world.h"
 #include "engine/shading/shading_pass.h"
 #include "tests/bench/bench_world.h"
 #include "tests/bench/cpu_watch.h"
@@ -155,11 +165,145 @@ void run(const scene::StaticScene& scene, farfield::RayCaster& caster, const cha
         stale / n, *std::min_element(errors.begin(), errors.end()), median(errors), parallax);
 }
 
+/// Takes the pixels of `mask` out of `tiles`; tiles without any left go, too.
+void remove(const farfield::PixelMask& mask, std::vector<TileRequest>& tiles) {
+    for (TileRequest& tile : tiles)
+        for (int j = 0; j < farfield::kTileSize; ++j)
+            tile.rows[j] = std::uint16_t(
+                tile.rows[j] &
+                ~mask.tiles[std::size_t(tile.y / 16) * std::size_t(mask.tiles_x) + std::size_t(tile.x / 16)].rows[j]);
+    std::erase_if(tiles, [](const TileRequest& tile) {
+        return std::all_of(tile.rows, tile.rows + farfield::kTileSize, [](std::uint16_t row) { return row == 0; });
+    });
+}
+
+enum Step { kMake, kPlan, kCastTexels, kShadeTexels, kCommit, kLookup, kVerify, kCast, kShade, kSteps };
+constexpr const char* kStepNames[kSteps] = {"make",   "plan",   "cast texels", "shade texels", "commit",
+                                            "lookup", "verify", "cast",        "shade"};
+
+struct LapCounts {
+    double filled = 0, cast = 0, verified = 0, verified_tiles = 0;
+    std::uint64_t hash = 14695981039346656037u;  ///< FNV-1a of all pictures
+};
+
+/// One lap of a walk. `times` gets each frame's steps where they took less than what stands there.
+LapCounts run_lap(const scene::StaticScene& scene, farfield::RayCaster& caster, const std::vector<PinholeView>& views,
+                  std::vector<std::array<double, kSteps>>& times) {
+    LapCounts counts;
+    farfield::PanoramaLimits limits;
+    limits.edges = farfield::EdgeRule::verify;
+    farfield::HorizonMap horizon;
+    farfield::PixelMask sky, verified;
+    std::unique_ptr<farfield::Panorama> panorama;
+    VisibilityBuffer visibility;
+    shading::Image image, texels;
+    visibility.resize(kWidth, kHeight);
+    image.resize(kWidth, kHeight);
+    std::vector<TileRequest> to_cast, to_shade;
+    for (std::size_t frame = 0; frame < views.size(); ++frame) {
+        const PinholeView& view = views[frame];
+        std::vector<TileRequest> wanted = all_tiles();
+        horizon.update(scene, view);
+        farfield::find_sky_pixels(view, horizon, sky);
+        remove(sky, wanted);
+        verified.reset(kWidth, kHeight);
+
+        std::array<double, kSteps> ms{};
+        bench::CpuWatch watch;
+        const auto stop = [&](Step step) {
+            ms[step] += watch.milliseconds();
+            watch.restart();
+        };
+        if (!panorama) {
+            const int size = farfield::Panorama::face_size_for(view);
+            panorama = std::make_unique<farfield::Panorama>(farfield::PanoramaSettings{.face_size = size});
+            stop(kMake);
+            texels.resize(size, 6 * size);
+        }
+        watch.restart();
+        panorama->begin_frame(view.position);
+        counts.filled += double(panorama->plan_fill(view, wanted, limits));
+        stop(kPlan);
+        for (int face = 0; face < 6; ++face) {
+            const auto requests = panorama->fill_requests(face);
+            if (requests.empty()) continue;
+            const PinholeView face_view = panorama->face_view(face);
+            caster.cast_tiles(face_view, requests, panorama->map());
+            stop(kCastTexels);
+            shading::shade_tiles(scene, {}, face_view, panorama->map(), requests, {}, texels);
+            stop(kShadeTexels);
+            panorama->commit_fill(face, texels.pixels, texels.stride);
+            stop(kCommit);
+        }
+        const farfield::PanoramaTarget target{nullptr, image.pixels.data(), image.stride, true};
+        counts.cast += double(panorama->lookup(view, wanted, limits, target, to_cast).cast);
+        stop(kLookup);
+        panorama->verify_edges(scene, view, target, visibility, verified);
+        stop(kVerify);
+        caster.cast_tiles(view, to_cast, visibility);
+        stop(kCast);
+        to_shade = to_cast;
+        for (std::size_t t = 0; t < verified.tiles.size(); ++t) {
+            if (verified.tiles[t].count() == 0) continue;
+            counts.verified += verified.tiles[t].count();
+            ++counts.verified_tiles;
+            TileRequest tile{std::uint16_t(t % std::size_t(verified.tiles_x) * farfield::kTileSize),
+                             std::uint16_t(t / std::size_t(verified.tiles_x) * farfield::kTileSize),
+                             {}};
+            std::copy_n(verified.tiles[t].rows, farfield::kTileSize, tile.rows);
+            to_shade.push_back(tile);
+        }
+        watch.restart();
+        shading::shade_tiles(scene, {}, view, visibility, to_shade, {}, image);
+        stop(kShade);
+        for (int y = 0; y < kHeight; ++y)
+            for (int x = 0; x < kWidth; ++x)
+                counts.hash = (counts.hash ^ image.pixels[std::size_t(y * image.stride + x)]) * 1099511628211u;
+        for (int step = 0; step < kSteps; ++step)
+            times[frame][std::size_t(step)] = std::min(times[frame][std::size_t(step)], ms[std::size_t(step)]);
+    }
+    return counts;
+}
+
+int run_pack(const std::string& pack, const std::string& walk_name, int laps) {
+    const Result<std::unique_ptr<scene::World>> world = scene::load_world(pack);
+    if (!world) {
+        fmt::print(stderr, "bench_panorama: {}\n", world.error().message);
+        return 3;
+    }
+    const scene::Walk* walk = (*world)->find_walk(walk_name);
+    if (walk == nullptr) {
+        fmt::print(stderr, "bench_panorama: {} has no walk '{}'\n", pack, walk_name);
+        return 2;
+    }
+    std::vector<PinholeView> views;
+    for (std::size_t i = 0; i < walk->frames.size(); ++i) views.push_back(make_view(walk->camera(i), kWidth, kHeight));
+    const auto caster = farfield::make_beam_caster((*world)->scene());
+    std::array<double, kSteps> most;
+    most.fill(1e9);
+    std::vector<std::array<double, kSteps>> times(views.size(), most);
+    LapCounts counts;
+    for (int lap = 0; lap < laps; ++lap) counts = run_lap((*world)->scene(), *caster, views, times);
+    fmt::print("| step | ms, mean over frames of the best lap | most |\n|---|---|---|\n");
+    for (std::size_t step = 0; step < kSteps; ++step) {
+        double sum = 0, worst = 0;
+        for (const auto& frame : times) sum += frame[step], worst = std::max(worst, frame[step]);
+        fmt::print("| {} | {:.3f} | {:.2f} |\n", kStepNames[step], sum / double(views.size()), worst);
+    }
+    const auto n = double(views.size());
+    fmt::print("\na frame: {:.0f} texels filled, {:.0f} pixels cast, {:.0f} verified in {:.0f} tiles; hash {:016x}\n",
+               counts.filled / n, counts.cast / n, counts.verified / n, counts.verified_tiles / n, counts.hash);
+    return 0;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
-    const int frames = argc > 1 ? std::atoi(argv[1]) : 60;
     const WorkerLimit limit(1);
+    const std::string name = argc > 1 ? argv[1] : "";
+    if (const std::size_t colon = name.rfind(':'); colon != std::string::npos)
+        return run_pack(name.substr(0, colon), name.substr(colon + 1), argc > 2 ? std::atoi(argv[2]) : 3);
+    const int frames = argc > 1 ? std::atoi(argv[1]) : 60;
     farfield::PanoramaSettings settings;
     if (argc > 2) settings.face_size = std::atoi(argv[2]);
     if (argc > 3) settings.edge_contrast = std::atoi(argv[3]);

@@ -361,7 +361,7 @@ TEST(Panorama, ForgetsTexelsOfRecordsThatAreUsedAgain) {
 
 TEST(Panorama, GivesTheSameBitsForOneAndTwoWorkers) {
     std::vector<std::uint32_t> first_colors;
-    std::vector<float> first_depths;
+    ZeroPageVector<float> first_depths;
     for (const int workers : {1, 2}) {
         const WorkerLimit limit(workers);
         Rig rig(test::make_city({.cells = 2}));
@@ -380,6 +380,58 @@ TEST(Panorama, GivesTheSameBitsForOneAndTwoWorkers) {
         } else {
             EXPECT_EQ(rig.colors, first_colors);
             EXPECT_EQ(rig.visibility.depth, first_depths);
+        }
+    }
+}
+
+TEST(Panorama, KnowsNothingAfterItWasCleared) {
+    Rig rig(test::make_city({.cells = 2}));
+    const PinholeView view = view_at(kEye, 0.4);
+    rig.panorama.begin_frame(kEye);
+    const std::uint64_t texels = rig.fill(view);
+    EXPECT_GE(rig.panorama.age(view.direction(kWidth / 2, kHeight / 2)), 0);
+    rig.panorama.clear();
+    EXPECT_EQ(rig.panorama.age(view.direction(kWidth / 2, kHeight / 2)), -1);
+    EXPECT_EQ(rig.lookup(view).cast, std::uint64_t(kWidth * kHeight));
+    EXPECT_EQ(rig.fill(view), texels);
+}
+
+TEST(Panorama, VerifiedEdgesSeeWhatTheirPixelsSee) {
+    VisibilityBuffer first;
+    for (const int workers : {1, 2}) {
+        const WorkerLimit limit(workers);
+        Rig rig(test::make_city({.cells = 2}));
+        PixelMask verified;
+        std::uint64_t edges = 0, differ = 0;
+        for (int frame = 0; frame < 8; ++frame) {
+            const PinholeView view = view_at(kEye, 0.5 * frame, 0.3 * std::sin(0.7 * frame), 0.2 * frame);
+            rig.panorama.begin_frame(kEye);
+            rig.fill(view);
+            const PanoramaStats stats = rig.lookup(view, {.edges = EdgeRule::verify});
+            verified.reset(kWidth, kHeight);
+            rig.panorama.verify_edges(rig.scene, view, {nullptr, rig.colors.data(), rig.visibility.stride},
+                                      rig.visibility, verified);
+            VisibilityBuffer seen;
+            seen.resize(kWidth, kHeight);
+            rig.caster->cast_tiles(view, all_tiles(), seen);
+            for (int y = 0; y < kHeight; ++y)
+                for (int x = 0; x < kWidth; ++x) {
+                    if (!verified.test(x, y)) continue;
+                    const std::size_t at = seen.index(x, y);
+                    ++edges;
+                    differ += rig.visibility.instance[at] != seen.instance[at] ||
+                              rig.visibility.triangle[at] != seen.triangle[at];
+                }
+            EXPECT_LE(stats.cast + verified.count(), stats.wanted);
+        }
+        EXPECT_GT(edges, 1000u);
+        EXPECT_LT(differ * 50, edges) << differ << " of " << edges;
+        if (workers == 1) {
+            first = rig.visibility;
+        } else {
+            EXPECT_EQ(rig.visibility.instance, first.instance);
+            EXPECT_EQ(rig.visibility.triangle, first.triangle);
+            EXPECT_EQ(rig.visibility.depth, first.depth);
         }
     }
 }
