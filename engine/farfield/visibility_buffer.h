@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "engine/farfield/zero_pages.h"
+#include "engine/core/zero_pages.h"
 
 namespace ff::farfield {
 

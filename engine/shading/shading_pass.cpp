@@ -19,7 +19,8 @@ void Image::resize(int new_width, int new_height) {
     width = new_width;
     height = new_height;
     stride = (width + kSize - 1) / kSize * kSize;
-    pixels.assign(std::size_t(stride) * std::size_t((height + kSize - 1) / kSize * kSize), 0u);
+    // New memory, which is zeroed where it is touched: the panorama shades a few tiles of a large image at a time.
+    pixels = ZeroPageVector<std::uint32_t>(std::size_t(stride) * std::size_t((height + kSize - 1) / kSize * kSize));
 }
 
 std::uint64_t shade_tiles(const scene::StaticScene& scene, std::span<const scene::Instance> dynamic,

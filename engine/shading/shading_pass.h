@@ -17,7 +17,7 @@ namespace ff::shading {
 struct Image {
     int width = 0, height = 0;
     int stride = 0;  ///< pixels a row, as VisibilityBuffer::stride
-    std::vector<std::uint32_t> pixels;
+    ZeroPageVector<std::uint32_t> pixels;
 
     void resize(int new_width, int new_height);
 };

@@ -71,7 +71,7 @@ TEST_F(FrameTest, a_turning_hybrid_reuses_most_pixels_and_stays_close_to_raycast
 }
 
 TEST_F(FrameTest, deterministic_frames_are_the_same_for_one_and_two_workers) {
-    std::vector<std::vector<std::uint32_t>> images;
+    std::vector<ZeroPageVector<std::uint32_t>> images;
     for (const int workers : {1, 2}) {
         const WorkerLimit limit(workers);
         Renderer renderer(scene, casters, nullptr, kWidth, kHeight);

@@ -1,11 +1,11 @@
-#include "engine/farfield/zero_pages.h"
+#include "engine/core/zero_pages.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cstdint>
 
-namespace ff::farfield {
+namespace ff {
 namespace {
 
 TEST(ZeroPages, NewVectorsAreZeroWhateverTheirSize) {
@@ -30,4 +30,4 @@ TEST(ZeroPages, GrowingKeepsWhatThereWas) {
 }
 
 }  // namespace
-}  // namespace ff::farfield
+}  // namespace ff

@@ -1,11 +1,11 @@
-#include "engine/farfield/zero_pages.h"
+#include "engine/core/zero_pages.h"
 
 #include <sys/mman.h>
 
 #include <cstdint>
 #include <cstdlib>
 
-namespace ff::farfield {
+namespace ff {
 namespace {
 
 constexpr std::size_t kHugePage = 2 << 20;
@@ -47,4 +47,4 @@ void free_zero_pages(void* memory, std::size_t bytes) {
         munmap(memory, round_up(bytes));
 }
 
-}  // namespace ff::farfield
+}  // namespace ff

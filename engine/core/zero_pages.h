@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-namespace ff::farfield {
+namespace ff {
 
 /// Zeroed memory, in huge pages where it is large and the system has them. Throws std::bad_alloc.
 [[nodiscard]] void* allocate_zero_pages(std::size_t bytes);
@@ -45,4 +45,4 @@ struct ZeroPages {
 template <class T>
 using ZeroPageVector = std::vector<T, ZeroPages<T>>;
 
-}  // namespace ff::farfield
+}  // namespace ff
