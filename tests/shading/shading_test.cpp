@@ -171,7 +171,7 @@ TEST(shading, one_and_two_workers_give_the_same_bits) {
     Random random(7);
     const PinholeView view = random_view(random, scene.bounds);
     const VisibilityBuffer visibility = cast_view(scene, view);
-    std::vector<std::uint32_t> first;
+    ZeroPageVector<std::uint32_t> first;
     for (const int workers : {1, 2, 2}) {
         const WorkerLimit limit(workers);
         const Image image = shade_view(scene, view, visibility);
