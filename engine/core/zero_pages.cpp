@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <cstdlib>
 
+#include "engine/core/jobs.h"
+
 namespace ff {
 namespace {
 
@@ -38,6 +40,14 @@ void* allocate_zero_pages(std::size_t bytes) {
     madvise(memory, size, MADV_HUGEPAGE);
 #endif
     return memory;
+}
+
+void populate_pages(void* memory, std::size_t bytes) {
+    constexpr std::size_t kPage = 4096;
+    auto* const first = static_cast<volatile std::byte*>(memory);
+    parallel_ranges(bytes, kHugePage, [first](std::size_t begin, std::size_t end) {
+        for (std::size_t at = begin; at < end; at += kPage) first[at] = first[at];
+    });
 }
 
 void free_zero_pages(void* memory, std::size_t bytes) {

@@ -16,6 +16,10 @@ namespace ff {
 /// @param bytes  as they were allocated
 void free_zero_pages(void* memory, std::size_t bytes);
 
+/// Makes the system give memory its pages now, where it would do so at first touch: in frames, a page here and there
+/// costs more than a frame has. Keeps what the memory holds.
+void populate_pages(void* memory, std::size_t bytes);
+
 /// For vectors of numbers. An element made without a value is left as the memory is: zero in a vector that has just
 /// been made, anything in one that shrank and grew again.
 template <class T>
@@ -44,5 +48,10 @@ struct ZeroPages {
 
 template <class T>
 using ZeroPageVector = std::vector<T, ZeroPages<T>>;
+
+template <class T>
+void populate_pages(ZeroPageVector<T>& values) {
+    populate_pages(values.data(), values.size() * sizeof(T));
+}
 
 }  // namespace ff

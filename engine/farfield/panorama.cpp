@@ -84,6 +84,15 @@ void Panorama::clear() {
     for (auto& list : s.requests) list.clear();
 }
 
+void Panorama::populate() {
+    State& s = *state_;
+    populate_pages(s.map.visibility.instance);
+    populate_pages(s.map.visibility.triangle);
+    populate_pages(s.map.visibility.depth);
+    populate_pages(s.map.colors);
+    populate_pages(s.map.records);
+}
+
 void Panorama::begin_frame(const WorldPos& position) {
     State& s = *state_;
     ++s.frame;

@@ -31,7 +31,8 @@ struct FramePlan {
     int horizon_subsample = 1;
     bool look_up_panorama = false;
     bool store_panorama = false;  ///< enter what is cast, so that later frames may reuse it
-    bool fill_panorama = false;  ///< cast whole tiles of the panorama ahead of the view: the viewer only turns or rests
+    /// Cast whole tiles of the panorama ahead of the view: the viewer only turns or rests, or this is the first frame.
+    bool fill_panorama = false;
     CasterKind caster = CasterKind::beam;
     std::uint64_t ray_budget = UINT64_MAX;
     float max_parallax_px = 0.5f;

@@ -97,8 +97,9 @@ void plan_frame(const scene::StaticScene& scene, std::span<const scene::Instance
             break;
     }
 
-    const bool moved = !history.has_frame || glm::length(plan.view.position - history.last_view.position) > kRestM;
-    history.rest_frames = moved ? 0 : history.rest_frames + 1;
+    const bool moved = glm::length(plan.view.position - history.last_view.position) > kRestM;
+    // Who has just arrived stands until he moves; his panorama is filled while he still waits for the first picture.
+    history.rest_frames = !history.has_frame ? kRestFrames : moved ? 0 : history.rest_frames + 1;
     plan.trace_horizon = settings.use_horizon && scene.height_grid.size > 0;
 
     budget::Choice choice;
@@ -113,7 +114,7 @@ void plan_frame(const scene::StaticScene& scene, std::span<const scene::Instance
     plan.fill_panorama = settings.use_panorama && history.rest_frames >= kRestFrames;
     // A moving viewer's texels are off by up to max_parallax_px: worth it only to keep a budget.
     const bool reuse_while_moving = settings.budget_ms > 0.0 && choice.look_up_panorama;
-    plan.look_up_panorama = settings.use_panorama && (reuse_while_moving || plan.fill_panorama);
+    plan.look_up_panorama = settings.use_panorama && history.has_frame && (reuse_while_moving || plan.fill_panorama);
     // A frame that nearly fills its budget is remembered, for the next may not fit.
     constexpr double kTightShare = 0.6;
     const bool tight =

@@ -151,44 +151,50 @@ shading::ShadeSettings shade_settings(const FramePlan& plan) {
 }
 
 /// The map for frames like this one, told where the viewer stands.
-farfield::Panorama& begin_panorama(const FramePlan& plan, FrameHistory& history) {
+void begin_panorama(const FramePlan& plan, FrameHistory& history) {
     if (!history.panorama) {
         const int size = farfield::Panorama::face_size_for(plan.view);
         history.panorama = std::make_unique<farfield::Panorama>(farfield::PanoramaSettings{.face_size = size});
+        history.panorama->populate();
         history.panorama_colors.resize(size, 6 * size);
+        populate_pages(history.panorama_colors.pixels);
     }
     history.panorama->begin_frame(plan.view.position);
-    return *history.panorama;
 }
 
-/// Fills the map ahead where the plan says so, then answers from it what it can; the rest is left in history.requests.
-void look_up_panorama(const FramePlan& plan, const Tools& tools, FrameHistory& history, shading::Image& image,
-                      FrameStats& stats) {
+/// Casts the texels that the wanted pixels lack.
+/// @return rays that it took, at most limits.ray_budget
+std::uint64_t fill_panorama(const FramePlan& plan, const Tools& tools, const farfield::PanoramaLimits& limits,
+                            FrameHistory& history, FrameStats& stats) {
     farfield::Panorama& panorama = *history.panorama;
-    farfield::PanoramaLimits limits{
-        .max_parallax_px = plan.max_parallax_px, .edges = farfield::EdgeRule::verify, .ray_budget = plan.ray_budget};
-    if (plan.fill_panorama) {
-        {
-            const TimedPass timed(stats, Pass::panorama);
-            limits.ray_budget -= panorama.plan_fill(plan.view, history.wanted, limits);
-        }
-        for (int face = 0; face < 6; ++face) {
-            const auto texels = panorama.fill_requests(face);
-            if (texels.empty()) continue;
-            const PinholeView view = panorama.face_view(face);
-            {
-                const TimedPass timed(stats, Pass::cast);
-                stats.rays += tools.casters.get(plan.caster).cast_tiles(view, texels, panorama.map()).rays;
-            }
-            {
-                const TimedPass timed(stats, Pass::shade);
-                stats.shaded_pixels += shading::shade_tiles(tools.scene, {}, view, panorama.map(), texels,
-                                                            shade_settings(plan), history.panorama_colors);
-            }
-            const TimedPass timed(stats, Pass::store);
-            panorama.commit_fill(face, history.panorama_colors.pixels, history.panorama_colors.stride);
-        }
+    std::uint64_t chosen = 0;
+    {
+        const TimedPass timed(stats, Pass::panorama);
+        chosen = panorama.plan_fill(plan.view, history.wanted, limits);
     }
+    for (int face = 0; face < 6; ++face) {
+        const auto texels = panorama.fill_requests(face);
+        if (texels.empty()) continue;
+        const PinholeView view = panorama.face_view(face);
+        {
+            const TimedPass timed(stats, Pass::cast);
+            stats.rays += tools.casters.get(plan.caster).cast_tiles(view, texels, panorama.map()).rays;
+        }
+        {
+            const TimedPass timed(stats, Pass::shade);
+            stats.shaded_pixels += shading::shade_tiles(tools.scene, {}, view, panorama.map(), texels,
+                                                        shade_settings(plan), history.panorama_colors);
+        }
+        const TimedPass timed(stats, Pass::store);
+        panorama.commit_fill(face, history.panorama_colors.pixels, history.panorama_colors.stride);
+    }
+    return chosen;
+}
+
+/// Answers from the map what it can; the rest is left in history.requests.
+void look_up_panorama(const FramePlan& plan, const Tools& tools, const farfield::PanoramaLimits& limits,
+                      FrameHistory& history, shading::Image& image, FrameStats& stats) {
+    farfield::Panorama& panorama = *history.panorama;
     const TimedPass timed(stats, Pass::panorama);
     // Depths are fetched only where something may stand before the texels.
     const farfield::PanoramaTarget target{.visibility = plan.dynamic.empty() ? nullptr : &history.visibility,
@@ -263,12 +269,15 @@ FrameStats run_passes(const FramePlan& plan, const Tools& tools, FrameHistory& h
     if (image.width != plan.view.width || image.height != plan.view.height)
         image.resize(plan.view.width, plan.view.height);
     std::vector<TileRequest>* casts = &history.wanted;
-    if (plan.look_up_panorama || plan.store_panorama) {
+    if (plan.look_up_panorama || plan.store_panorama || plan.fill_panorama) {
         const TimedPass timed(stats, Pass::panorama);
         begin_panorama(plan, history);
     }
+    farfield::PanoramaLimits limits{
+        .max_parallax_px = plan.max_parallax_px, .edges = farfield::EdgeRule::verify, .ray_budget = plan.ray_budget};
+    if (plan.fill_panorama) limits.ray_budget -= fill_panorama(plan, tools, limits, history, stats);
     if (plan.look_up_panorama) {
-        look_up_panorama(plan, tools, history, image, stats);
+        look_up_panorama(plan, tools, limits, history, image, stats);
         casts = &history.requests;
     }
     subtract(history.wanted, *casts, sources.panorama);
