@@ -34,6 +34,7 @@ struct CostModel {
     UnitCost shade_pixel{7.0};        ///< a pixel shaded from the visibility buffer
     UnitCost lookup_pixel{2.0};       ///< a pixel looked up in the panorama
     UnitCost store_pixel{4.0};        ///< a pixel entered into the panorama
+    UnitCost upscale_pixel{2.0};      ///< a pixel of the image, where the frame was drawn smaller
     UnitCost horizon_azimuth{300.0};  ///< an azimuth traced
     UnitCost near_triangle{65.0};     ///< a triangle through OpenGL
     double near_fixed_ms = 4.0;       ///< OpenGL with nothing to draw: clear, read back; calibrated at load

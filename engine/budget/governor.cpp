@@ -1,6 +1,7 @@
 #include "engine/budget/governor.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace ff::budget {
 
@@ -29,23 +30,41 @@ double fixed_ms(const Outlook& outlook, const CostModel& costs, std::size_t i, b
            (look_up ? costs.lookup_pixel.ms_for(left_over_pixels(outlook, i)) : 0.0);
 }
 
-/// How good a near distance is, smaller is better: its time; and with a budget the time of the pixels that it could not
-/// answer within it, and ten times what cannot be cut.
-double score(const Outlook& outlook, const CostModel& costs, double budget_ms, std::size_t i) {
+/// How good a near distance is, smaller is better: its time where the budget suffices or there is none. Else
+/// WhenLate::coarser: the budget by the share of the pixels that it affords; WhenLate::stale: the budget and the time
+/// of the pixels that it could not answer; and ten times what cannot be cut.
+double score(const Outlook& outlook, const CostModel& costs, double budget_ms, WhenLate when_late, std::size_t i) {
+    const bool stale = budget_ms > 0.0 && when_late == WhenLate::stale;
     const double cast_ms = ray_ms(costs) * left_over_pixels(outlook, i);
-    const double fixed = fixed_ms(outlook, costs, i, budget_ms > 0.0);
-    if (budget_ms <= 0.0) return fixed + cast_ms;
-    const double room = Governor::kAim * budget_ms - fixed;
-    const double unanswered_ms = std::max(0.0, cast_ms - std::max(0.0, room));
-    return std::min(fixed + cast_ms, Governor::kAim * budget_ms) + unanswered_ms + 10.0 * std::max(0.0, -room);
+    const double fixed = fixed_ms(outlook, costs, i, stale);
+    const double aim_ms = Governor::kAim * budget_ms;
+    if (budget_ms <= 0.0 || fixed + cast_ms <= aim_ms) return fixed + cast_ms;
+    const double room = std::max(0.0, aim_ms - fixed), overrun = std::max(0.0, fixed - aim_ms);
+    if (stale) return aim_ms + (cast_ms - room) + 10.0 * overrun;
+    constexpr double kLeastShare = kResolutions.back() * kResolutions.back();
+    return aim_ms / std::max(kLeastShare, room / cast_ms) + 10.0 * overrun;
 }
 
 }  // namespace
 
-Choice Governor::choose(const Outlook& outlook, const CostModel& costs, double budget_ms) {
+void Governor::choose_resolution(double rays, double needed) {
+    const auto affords = [&](std::size_t i, double room) {
+        return room * kResolutions[i] * kResolutions[i] * needed <= rays;
+    };
+    while (resolution_index_ + 1 < kResolutions.size() && !affords(resolution_index_, 1.0)) ++resolution_index_;
+    const bool finer = resolution_index_ > 0 && affords(resolution_index_ - 1, kFinerRoom);
+    finer_votes_ = finer ? finer_votes_ + 1 : 0;
+    if (finer_votes_ < kPatience) return;
+    --resolution_index_;
+    finer_votes_ = 0;
+}
+
+Choice Governor::choose(const Outlook& outlook, const CostModel& costs, double budget_ms, WhenLate when_late) {
+    const bool keep_old = budget_ms > 0.0 && when_late == WhenLate::stale;
     // Near distance: the best, if it stays clearly better than the present one.
     std::array<double, kNearDistances.size()> score_ms;
-    for (std::size_t i = 0; i < kNearDistances.size(); ++i) score_ms[i] = score(outlook, costs, budget_ms, i);
+    for (std::size_t i = 0; i < kNearDistances.size(); ++i)
+        score_ms[i] = score(outlook, costs, budget_ms, when_late, i);
     const auto best = std::size_t(std::min_element(score_ms.begin(), score_ms.end()) - score_ms.begin());
     const bool clearly = score_ms[best] < (1.0 - kSwitchGain) * score_ms[near_index_];
     near_votes_ = clearly ? near_votes_ + 1 : 0;
@@ -69,18 +88,26 @@ Choice Governor::choose(const Outlook& outlook, const CostModel& costs, double b
     Choice choice;
     choice.near_m = kNearDistances[near_index_];
     choice.look_up_panorama = look_up_;
-    const double fixed = fixed_ms(outlook, costs, near_index_, budget_ms > 0.0 || look_up_);
+    double fixed = fixed_ms(outlook, costs, near_index_, keep_old || look_up_);
+    if (resolution_index_ > 0) fixed += costs.upscale_pixel.ms_for(outlook.pixels);
     double rays = candidates - (look_up_ ? outlook.reusable_pixels : 0.0);
     if (budget_ms > 0.0) {
         const double affordable = std::max(kMinRayShare * outlook.pixels, (kAim * budget_ms - fixed) / ray_ms(costs));
         ray_budget_ =
             ray_budget_ < 0.0 ? affordable : std::clamp(affordable, ray_budget_ / kRayStep, ray_budget_ * kRayStep);
         ray_budget_ = std::min(ray_budget_, outlook.pixels);
-        choice.ray_budget = static_cast<std::uint64_t>(ray_budget_);
-        if (ray_budget_ < rays) choice.look_up_panorama = true;  // what is not cast must come from somewhere
-        rays = std::min(rays, ray_budget_);
+        if (keep_old) {
+            choice.ray_budget = static_cast<std::uint64_t>(ray_budget_);
+            if (ray_budget_ < rays) choice.look_up_panorama = true;  // what is not cast must come from somewhere
+            rays = std::min(rays, ray_budget_);
+        } else {
+            choose_resolution(ray_budget_, candidates);
+            choice.resolution = kResolutions[resolution_index_];
+            rays = choice.resolution * choice.resolution * candidates;
+        }
     } else {
         ray_budget_ = -1.0;
+        resolution_index_ = 0;
     }
     choice.predicted_ms = fixed + ray_ms(costs) * rays;
     return choice;

@@ -22,10 +22,20 @@ struct Outlook {
     double horizon_azimuths = 0;
 };
 
+/// What gives where the budget does not suffice for a ray a pixel.
+enum class WhenLate {
+    coarser,  ///< all of the picture is drawn smaller and enlarged
+    stale,    ///< P0 5.2: what is cast is cast at full size, the other pixels keep old texels of the panorama
+};
+
+/// Shares of the image's sides at which frames are drawn: quarter octaves, so that one can be held.
+inline constexpr std::array<double, 9> kResolutions{1.0, 0.84, 0.71, 0.59, 0.5, 0.42, 0.35, 0.3, 0.25};
+
 struct Choice {
     double near_m = 0.0;
     bool look_up_panorama = false;          ///< pays more than it costs
     std::uint64_t ray_budget = UINT64_MAX;  ///< casts allowed; UINT64_MAX: as many as are needed
+    double resolution = 1.0;                ///< one of kResolutions; WhenLate::coarser
     double predicted_ms = 0.0;
 };
 
@@ -40,12 +50,20 @@ class Governor {
     static constexpr double kAim = 0.92;
     /// Rays never fall below this share of the pixels, so that what is stale always heals.
     static constexpr double kMinRayShare = 0.005;
+    /// A finer resolution must have this much room, for kPatience frames; a coarser one comes at once.
+    static constexpr double kFinerRoom = 1.1;
 
     /// @param budget_ms  time the frame may take; 0: no limit
-    [[nodiscard]] Choice choose(const Outlook& outlook, const CostModel& costs, double budget_ms);
+    [[nodiscard]] Choice choose(const Outlook& outlook, const CostModel& costs, double budget_ms,
+                                WhenLate when_late = WhenLate::coarser);
 
   private:
+    /// Holds or changes the resolution for so many rays where `needed` would be the whole picture.
+    void choose_resolution(double rays, double needed);
+
     std::size_t near_index_ = 0;
+    std::size_t resolution_index_ = 0;
+    int finer_votes_ = 0;
     bool look_up_ = false;
     int near_votes_ = 0;
     int look_up_votes_ = 0;

@@ -6,10 +6,25 @@ void FrameHistory::reset(int width, int height) {
     governor = {};
     outlook = {};
     horizon.invalidate();
-    visibility.resize(width, height);
     for (farfield::PixelMask* mask :
          {&sources.near_field, &sources.sky, &sources.panorama, &sources.cast, &sources.dynamic})
         mask->reset(width, height);
+    visibility.width = 0;  // whatever its size was: nothing in it counts any more
+    fit(width, height);
+    for (auto* scratch : {&wanted, &requests, &to_shade, &to_store}) {
+        scratch->clear();
+        scratch->reserve(all_tiles.size());
+    }
+    if (panorama) panorama->clear();
+    panorama_is_full = false;
+    rest_frames = 0;
+    has_frame = false;
+    frame_number = 0;
+}
+
+void FrameHistory::fit(int width, int height) {
+    if (visibility.width == width && visibility.height == height) return;
+    visibility.resize(width, height);
     all_tiles.clear();
     for (int y = 0; y < height; y += farfield::kTileSize) {
         for (int x = 0; x < width; x += farfield::kTileSize) {
@@ -22,14 +37,6 @@ void FrameHistory::reset(int width, int height) {
             all_tiles.push_back(tile);
         }
     }
-    for (auto* scratch : {&wanted, &requests, &to_shade, &to_store}) {
-        scratch->clear();
-        scratch->reserve(all_tiles.size());
-    }
-    if (panorama) panorama->clear();
-    rest_frames = 0;
-    has_frame = false;
-    frame_number = 0;
 }
 
 }  // namespace ff::frame

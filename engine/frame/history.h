@@ -17,6 +17,7 @@
 #include "engine/frame/stats.h"
 #include "engine/math/camera.h"
 #include "engine/shading/shading_pass.h"
+#include "engine/shading/upscale.h"
 #include "engine/visibility/culler.h"
 
 namespace ff::frame {
@@ -37,6 +38,9 @@ struct FrameHistory {
     farfield::VisibilityBuffer visibility;
     std::unique_ptr<farfield::Panorama> panorama;  ///< made when a plan first asks for it
     shading::Image panorama_colors;                ///< where its texels are shaded
+    bool panorama_is_full = false;                 ///< it held all that the last frame saw, and the viewer stood
+    shading::Image reduced;                        ///< a frame that is drawn smaller than it is shown
+    shading::Upscaler upscaler;
     SourceMasks sources;
     std::vector<farfield::TileRequest> wanted;    ///< scratch: what neither near field nor horizon answers
     std::vector<farfield::TileRequest> requests;  ///< scratch: what is to be cast
@@ -54,6 +58,8 @@ struct FrameHistory {
     /// Forgets everything but costs, which are the machine's, and what it can do; sizes all scratch for images of this
     /// size.
     void reset(int width, int height);
+    /// Makes visibility and tiles those of an image of this size, at most that of the last reset.
+    void fit(int width, int height);
 };
 
 }  // namespace ff::frame

@@ -18,7 +18,8 @@ struct FrameHistory;
 
 struct FramePlan {
     Mode mode = Mode::hybrid;
-    PinholeView view;
+    PinholeView view;  ///< what is drawn; smaller than the image where time is short
+    int image_width = 0, image_height = 0;
     std::span<const scene::Instance> dynamic;  ///< instances that move, ids from the scene's instance count on
 
     // Near field
@@ -35,6 +36,7 @@ struct FramePlan {
     bool fill_panorama = false;
     CasterKind caster = CasterKind::beam;
     std::uint64_t ray_budget = UINT64_MAX;
+    std::uint64_t fill_budget = UINT64_MAX;  ///< texels that may be filled
     float max_parallax_px = 0.5f;
     float prelit_beyond_m = 0.0f;
     double predicted_ms = 0.0;

@@ -58,15 +58,59 @@ void look_ahead(const scene::StaticScene& scene, const FramePlan& plan, const Fr
     // Cells and depths change slowly; the near field's outlook is refreshed a few times a second.
     constexpr std::uint64_t kRefreshFrames = 8;
     budget::Outlook& outlook = history.outlook;
+    // All pixels are those of a frame of full size.
     outlook.pixels = double(plan.view.width) * plan.view.height;
-    outlook.sky_pixels = double(history.last_stats.pixels.sky);
+    const double enlarged =
+        outlook.pixels / std::max(1.0, double(history.visibility.width) * double(history.visibility.height));
+    outlook.sky_pixels = double(history.last_stats.pixels.sky) * enlarged;
     outlook.horizon_azimuths = settings.use_horizon ? history.horizon.settings().columns / 4.0 : 0.0;
     const double step_m = glm::length(plan.view.position - history.last_view.position);
-    outlook.reusable_pixels = settings.use_panorama ? expected_reusable_pixels(history.visibility, plan.view, step_m,
-                                                                               settings.max_parallax_px)
-                                                    : 0.0;
-    if (history.frame_number % kRefreshFrames == 1)
+    // A moving viewer's texels are off by up to max_parallax_px: worth it only to keep a budget, and if so chosen.
+    const bool reuses =
+        settings.use_panorama && settings.budget_ms > 0.0 && settings.when_late == budget::WhenLate::stale;
+    outlook.reusable_pixels =
+        reuses ? enlarged * expected_reusable_pixels(history.visibility, plan.view, step_m, settings.max_parallax_px)
+               : 0.0;
+    if (history.frame_number % kRefreshFrames == 1) {
         expect_near_field(scene, history.visibility, plan.view.position, outlook);
+        for (double& pixels : outlook.near_pixels) pixels *= enlarged;
+    }
+}
+
+/// Draws the frame smaller. Whole pixels, at least one.
+void reduce(const Camera& camera, double resolution, FramePlan& plan) {
+    const auto scaled = [&](int pixels) { return std::max(1, int(std::lround(resolution * pixels))); };
+    plan.view = make_view(camera, scaled(plan.image_width), scaled(plan.image_height));
+}
+
+/// What the panorama does for the frame, and where it cannot help, how large the frame is drawn.
+void use_panorama(const FrameSettings& settings, const budget::Choice& choice, const Camera& camera,
+                  const FrameHistory& history, FramePlan& plan) {
+    const bool rests = settings.use_panorama && history.rest_frames >= kRestFrames;
+    if (settings.budget_ms > 0.0 && settings.when_late == budget::WhenLate::coarser) {
+        if (rests && history.panorama_is_full) {  // of all cheap frames the cheapest
+            plan.fill_panorama = plan.look_up_panorama = true;
+            return;
+        }
+        // While the map is not yet full of what is seen, half of the time goes to filling it.
+        double resolution = choice.resolution;
+        if (rests && history.has_frame) {
+            const double rays = resolution * resolution * history.outlook.pixels;
+            plan.fill_panorama = true;
+            plan.fill_budget = std::uint64_t(0.5 * rays);
+            resolution *= std::sqrt(0.5);
+        }
+        if (resolution < 1.0) reduce(camera, resolution, plan);
+        return;
+    }
+    plan.fill_panorama = rests;
+    const bool reuses_while_moving = settings.budget_ms > 0.0 && choice.look_up_panorama;
+    plan.look_up_panorama = settings.use_panorama && history.has_frame && (reuses_while_moving || plan.fill_panorama);
+    // A frame that nearly fills its budget is remembered, for the next may not fit.
+    constexpr double kTightShare = 0.6;
+    const bool tight =
+        settings.budget_ms > 0.0 && (!history.has_frame || choice.predicted_ms > kTightShare * settings.budget_ms);
+    plan.store_panorama = settings.use_panorama && !plan.fill_panorama && (plan.look_up_panorama || tight);
 }
 
 }  // namespace
@@ -76,6 +120,8 @@ void plan_frame(const scene::StaticScene& scene, std::span<const scene::Instance
     plan = {};
     plan.mode = settings.mode;
     plan.view = make_view(camera, width, height);
+    plan.image_width = width;
+    plan.image_height = height;
     plan.dynamic = dynamic;
     plan.caster = settings.caster;
     plan.max_parallax_px = settings.max_parallax_px;
@@ -106,22 +152,14 @@ void plan_frame(const scene::StaticScene& scene, std::span<const scene::Instance
     if (history.has_frame) {
         look_ahead(scene, plan, settings, history);
         choice = history.governor.choose(history.outlook, settings.deterministic ? budget::CostModel{} : history.costs,
-                                         settings.budget_ms);
+                                         settings.budget_ms, settings.when_late);
     }
     plan.near_m = history.can_rasterise ? settings.fixed_near_m.value_or(choice.near_m) : 0.0;
     plan.rasterise = plan.near_m > 0.0;
     plan.software_opacity = settings.opacity == OpacityKind::software;
-    plan.fill_panorama = settings.use_panorama && history.rest_frames >= kRestFrames;
-    // A moving viewer's texels are off by up to max_parallax_px: worth it only to keep a budget.
-    const bool reuse_while_moving = settings.budget_ms > 0.0 && choice.look_up_panorama;
-    plan.look_up_panorama = settings.use_panorama && history.has_frame && (reuse_while_moving || plan.fill_panorama);
-    // A frame that nearly fills its budget is remembered, for the next may not fit.
-    constexpr double kTightShare = 0.6;
-    const bool tight =
-        settings.budget_ms > 0.0 && (!history.has_frame || choice.predicted_ms > kTightShare * settings.budget_ms);
-    plan.store_panorama = settings.use_panorama && !plan.fill_panorama && (plan.look_up_panorama || tight);
     plan.ray_budget = choice.ray_budget;
     plan.predicted_ms = choice.predicted_ms;
+    use_panorama(settings, choice, camera, history, plan);
     // A skyline that eats a tenth of the budget is subsampled, conservatively (P0 section 6).
     const double horizon_ms = history.costs.horizon_azimuth.ms_for(history.outlook.horizon_azimuths);
     if (settings.budget_ms > 0.0 && horizon_ms > 0.1 * settings.budget_ms && !settings.deterministic)
@@ -136,6 +174,9 @@ std::string to_text(const FramePlan& plan) {
                                    plan.trace_horizon ? "traced" : "off", plan.horizon_subsample);
     text += fmt::format("panorama {}{}, up to {} px\n", plan.look_up_panorama ? "looked up" : "not used",
                         plan.fill_panorama ? " and filled ahead" : "", plan.max_parallax_px);
+    if (plan.view.width != plan.image_width || plan.view.height != plan.image_height)
+        text += fmt::format("drawn {}x{}, shown {}x{}\n", plan.view.width, plan.view.height, plan.image_width,
+                            plan.image_height);
     text += plan.ray_budget == UINT64_MAX ? std::string("rays as many as needed")
                                           : fmt::format("rays at most {}", plan.ray_budget);
     return text + fmt::format(" by {}\n", kCasters[int(plan.caster)]);

@@ -10,9 +10,15 @@
 namespace ff::frame {
 namespace {
 
-void learn_costs(const FrameStats& stats, budget::CostModel& costs) {
-    costs.cast_ray.observe(stats.ms(Pass::cast), double(stats.rays));
-    costs.shade_pixel.observe(stats.ms(Pass::shade), double(stats.shaded_pixels));
+void learn_costs(const FramePlan& plan, const FrameStats& stats, budget::CostModel& costs) {
+    // The few rays that a full panorama leaves cost several times as much each as those of whole tiles.
+    const bool casts_remains = plan.look_up_panorama && !plan.store_panorama;
+    if (!casts_remains) {
+        costs.cast_ray.observe(stats.ms(Pass::cast), double(stats.rays));
+        costs.shade_pixel.observe(stats.ms(Pass::shade), double(stats.shaded_pixels));
+    }
+    if (stats.ms(Pass::upscale) > 0.0)
+        costs.upscale_pixel.observe(stats.ms(Pass::upscale), double(plan.image_width) * plan.image_height);
     const auto looked_up = double(stats.pixels.panorama + stats.pixels.cast_hit + stats.pixels.cast_miss);
     if (stats.ms(Pass::panorama) > 0.0) costs.lookup_pixel.observe(stats.ms(Pass::panorama), looked_up);
     if (stats.ms(Pass::store) > 0.0) costs.store_pixel.observe(stats.ms(Pass::store), double(stats.rays));
@@ -66,7 +72,7 @@ const FrameStats& Renderer::draw(const Camera& camera, std::span<const scene::In
     FrameStats& stats = history_.last_stats;
     stats.ms(Pass::plan) = plan_ms;
     stats.frame_ms = watch.milliseconds();
-    if (plan_.mode == Mode::hybrid) learn_costs(stats, history_.costs);
+    if (plan_.mode == Mode::hybrid) learn_costs(plan_, stats, history_.costs);
     history_.last_view = plan_.view;
     history_.has_frame = true;
     ++history_.frame_number;

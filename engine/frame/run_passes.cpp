@@ -153,7 +153,10 @@ shading::ShadeSettings shade_settings(const FramePlan& plan) {
 /// The map for frames like this one, told where the viewer stands.
 void begin_panorama(const FramePlan& plan, FrameHistory& history) {
     if (!history.panorama) {
-        const int size = farfield::Panorama::face_size_for(plan.view);
+        PinholeView full = plan.view;  // the map is made once, for frames of full size
+        full.u_step *= float(plan.view.width) / float(plan.image_width);
+        full.v_step *= float(plan.view.height) / float(plan.image_height);
+        const int size = farfield::Panorama::face_size_for(full);
         history.panorama = std::make_unique<farfield::Panorama>(farfield::PanoramaSettings{.face_size = size});
         history.panorama->populate();
         history.panorama_colors.resize(size, 6 * size);
@@ -229,8 +232,12 @@ farfield::RayCaster& Casters::get(CasterKind kind) {
     return *caster;
 }
 
-FrameStats run_passes(const FramePlan& plan, const Tools& tools, FrameHistory& history, shading::Image& image) {
+namespace {
+
+/// All passes but the last, at the size of the plan's view.
+FrameStats draw_view(const FramePlan& plan, const Tools& tools, FrameHistory& history, shading::Image& image) {
     FrameStats stats;
+    history.fit(plan.view.width, plan.view.height);
     farfield::VisibilityBuffer& visibility = history.visibility;
     SourceMasks& sources = history.sources;
     for (PixelMask* mask :
@@ -275,7 +282,15 @@ FrameStats run_passes(const FramePlan& plan, const Tools& tools, FrameHistory& h
     }
     farfield::PanoramaLimits limits{
         .max_parallax_px = plan.max_parallax_px, .edges = farfield::EdgeRule::verify, .ray_budget = plan.ray_budget};
-    if (plan.fill_panorama) limits.ray_budget -= fill_panorama(plan, tools, limits, history, stats);
+    history.panorama_is_full = false;
+    if (plan.fill_panorama) {
+        farfield::PanoramaLimits fill_limits = limits;
+        fill_limits.ray_budget = std::min(limits.ray_budget, plan.fill_budget);
+        const std::uint64_t filled = fill_panorama(plan, tools, fill_limits, history, stats);
+        limits.ray_budget -= filled;
+        // A tile more would have fitted: nothing was left out.
+        history.panorama_is_full = filled + kTileSize * kTileSize <= fill_limits.ray_budget;
+    }
     if (plan.look_up_panorama) {
         look_up_panorama(plan, tools, limits, history, image, stats);
         casts = &history.requests;
@@ -324,6 +339,20 @@ FrameStats run_passes(const FramePlan& plan, const Tools& tools, FrameHistory& h
 
     stats.near_m = plan.near_m;
     stats.ray_budget = plan.ray_budget;
+    return stats;
+}
+
+}  // namespace
+
+FrameStats run_passes(const FramePlan& plan, const Tools& tools, FrameHistory& history, shading::Image& image) {
+    if (plan.view.width == plan.image_width && plan.view.height == plan.image_height)
+        return draw_view(plan, tools, history, image);
+    if (image.width != plan.image_width || image.height != plan.image_height)
+        image.resize(plan.image_width, plan.image_height);
+    FrameStats stats = draw_view(plan, tools, history, history.reduced);
+    stats.resolution = double(plan.view.width) / plan.image_width;
+    const TimedPass timed(stats, Pass::upscale);
+    history.upscaler.run(history.reduced, image);
     return stats;
 }
 

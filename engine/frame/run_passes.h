@@ -34,7 +34,7 @@ struct Tools {
 };
 
 /// Carries a plan out and decides nothing. Afterwards the history holds the frame's visibility and sources.
-/// @param image  written whole, resized to the view
+/// @param image  written whole, of the size that the plan says
 FrameStats run_passes(const FramePlan& plan, const Tools& tools, FrameHistory& history, shading::Image& image);
 
 }  // namespace ff::frame

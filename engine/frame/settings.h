@@ -3,6 +3,8 @@
 #include <limits>
 #include <optional>
 
+#include "engine/budget/governor.h"
+
 namespace ff::frame {
 
 /// How whole frames are drawn; the tool's --mode.
@@ -20,9 +22,10 @@ enum class OpacityKind { automatic, software, readback };
 struct FrameSettings {
     Mode mode = Mode::hybrid;
     CasterKind caster = CasterKind::beam;
-    double budget_ms = 0.0;              ///< 0: no limit, every pixel is right; else accuracy is given up to keep it
-    std::optional<double> fixed_near_m;  ///< instead of the controller's choice; [0, inf)
-    float max_parallax_px = 0.5f;        ///< a panorama texel is reused up to this predicted parallax. [0, 16]
+    double budget_ms = 0.0;  ///< 0: no limit, every pixel is right; else accuracy is given up to keep it
+    budget::WhenLate when_late = budget::WhenLate::coarser;  ///< which accuracy
+    std::optional<double> fixed_near_m;                      ///< instead of the controller's choice; [0, inf)
+    float max_parallax_px = 0.5f;  ///< a panorama texel is reused up to this predicted parallax. [0, 16]
     float prelit_beyond_m = std::numeric_limits<float>::infinity();  ///< P1 4.6; metres
     OpacityKind opacity = OpacityKind::automatic;
     bool use_panorama = true;

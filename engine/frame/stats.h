@@ -8,12 +8,12 @@
 namespace ff::frame {
 
 /// The passes in the order in which they run; the one list of their names.
-enum class Pass : std::uint8_t { plan, near_field, opacity, horizon, panorama, cast, shade, store, present };
-inline constexpr std::size_t kPassCount = 9;
+enum class Pass : std::uint8_t { plan, near_field, opacity, horizon, panorama, cast, shade, store, upscale, present };
+inline constexpr std::size_t kPassCount = 10;
 inline constexpr std::array<std::string_view, kPassCount> kPassNames{"plan", "near",  "opacity", "horizon", "panorama",
-                                                                     "cast", "shade", "store",   "present"};
+                                                                     "cast", "shade", "store",   "upscale", "present"};
 
-/// Pixels by how they came to be (P0 Figure 11); they add up to the image.
+/// Pixels by how they came to be (P0 Figure 11); they add up to the image as it was drawn.
 struct PixelCounts {
     std::uint64_t near_field = 0;  ///< covered by rasterised triangles
     std::uint64_t sky = 0;         ///< above the traced horizon
@@ -38,6 +38,7 @@ struct FrameStats {
     std::uint64_t opacity_missed = 0;  ///< near pixels that the opacity buffer did not know of
     double near_m = 0.0;               ///< near distance of this frame
     std::uint64_t ray_budget = UINT64_MAX;
+    double resolution = 1.0;       ///< pixels drawn by pixels shown, along a side; below 1 where time was short
     float parallax_p99_px = 0.0f;  ///< predicted, of reused panorama texels
     float parallax_max_px = 0.0f;
 

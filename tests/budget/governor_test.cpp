@@ -67,10 +67,45 @@ TEST(Governor, keeps_the_predicted_time_within_the_budget_by_casting_less) {
     CostModel costs;
     costs.cast_ray = UnitCost(40.0);
     Choice choice;
-    for (int i = 0; i < 100; ++i) choice = governor.choose(street_outlook(), costs, 6.0);
+    for (int i = 0; i < 100; ++i) choice = governor.choose(street_outlook(), costs, 6.0, WhenLate::stale);
     EXPECT_LE(choice.predicted_ms, 6.0);
     EXPECT_LT(choice.ray_budget, 307200u);
     EXPECT_TRUE(choice.look_up_panorama);
+    EXPECT_EQ(choice.resolution, 1.0);
+}
+
+TEST(Governor, keeps_the_predicted_time_within_the_budget_by_drawing_smaller) {
+    Governor governor;
+    CostModel costs;
+    costs.cast_ray = UnitCost(40.0);
+    Choice choice;
+    for (int i = 0; i < 100; ++i) choice = governor.choose(street_outlook(), costs, 6.0);
+    EXPECT_LE(choice.predicted_ms, 6.0);
+    EXPECT_LT(choice.resolution, 1.0);
+    EXPECT_GE(choice.resolution, kResolutions.back());
+    EXPECT_FALSE(choice.look_up_panorama);
+    EXPECT_EQ(choice.ray_budget, UINT64_MAX) << "of the smaller picture no pixel is left out";
+}
+
+TEST(Governor, holds_the_resolution_under_noisy_costs_with_spikes) {
+    for (unsigned seed = 0; seed < 50; ++seed) {
+        SCOPED_TRACE(seed);
+        std::mt19937 random(seed);
+        std::lognormal_distribution<double> noise(0.0, 0.2);
+        std::bernoulli_distribution spike(0.05);
+        Governor governor;
+        CostModel costs;
+        int changes = 0;
+        double last = 1.0;
+        for (int frame = 0; frame < 1000; ++frame) {
+            const double ns = 40.0 * noise(random) * (spike(random) ? 10.0 : 1.0);
+            costs.cast_ray.observe(1e-6 * ns * 2e5, 2e5);
+            const Choice choice = governor.choose(street_outlook(), costs, 6.0);
+            changes += choice.resolution != last ? 1 : 0;
+            last = choice.resolution;
+        }
+        EXPECT_LE(changes, 60) << "in 1000 frames: a few as the costs are learned, else one in 20 at most";
+    }
 }
 
 TEST(Governor, casts_everything_when_the_budget_is_ample_or_absent) {
@@ -87,9 +122,12 @@ TEST(Governor, moves_the_ray_budget_by_bounded_steps) {
     CostModel cheap;
     CostModel dear;
     dear.cast_ray = UnitCost(400.0);
-    double last = double(governor.choose(street_outlook(), cheap, 5.0).ray_budget);
+    const auto rays = [&](const CostModel& costs) {
+        return double(governor.choose(street_outlook(), costs, 5.0, WhenLate::stale).ray_budget);
+    };
+    double last = rays(cheap);
     for (int frame = 0; frame < 200; ++frame) {
-        const double now = double(governor.choose(street_outlook(), frame % 2 == 0 ? dear : cheap, 5.0).ray_budget);
+        const double now = rays(frame % 2 == 0 ? dear : cheap);
         EXPECT_LE(now, last * Governor::kRayStep + 1.0);
         EXPECT_GE(now, last / Governor::kRayStep - 1.0);
         last = now;

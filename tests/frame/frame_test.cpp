@@ -104,17 +104,43 @@ TEST_F(FrameTest, a_moving_instance_shows_before_what_is_farther_and_hides_behin
 }
 
 TEST_F(FrameTest, no_budget_however_small_leaves_a_pixel_without_colour) {
-    Renderer renderer(scene, casters, nullptr, kWidth, kHeight);
-    shading::Image image;
-    for (int f = 0; f < 30; ++f) {
-        Camera camera = street_camera(0.0);
-        camera.position.x += 0.2 * f;
-        renderer.draw(camera, {}, {.budget_ms = 0.05, .fixed_near_m = 0.0}, image);
+    for (const auto when_late : {budget::WhenLate::coarser, budget::WhenLate::stale}) {
+        Renderer renderer(scene, casters, nullptr, kWidth, kHeight);
+        shading::Image image;
+        for (int f = 0; f < 30; ++f) {
+            Camera camera = street_camera(0.0);
+            camera.position.x += 0.2 * f;
+            renderer.draw(camera, {}, {.budget_ms = 0.05, .when_late = when_late, .fixed_near_m = 0.0}, image);
+        }
+        for (int y = 0; y < kHeight; ++y)
+            for (int x = 0; x < kWidth; ++x)
+                ASSERT_NE(image.pixels[std::size_t(y) * std::size_t(image.stride) + std::size_t(x)] & 0xFFFFFFu, 0u)
+                    << x << ", " << y;
     }
-    for (int y = 0; y < kHeight; ++y)
-        for (int x = 0; x < kWidth; ++x)
-            ASSERT_NE(image.pixels[std::size_t(y) * std::size_t(image.stride) + std::size_t(x)] & 0xFFFFFFu, 0u)
-                << x << ", " << y;
+}
+
+TEST_F(FrameTest, a_short_budget_draws_a_blurred_picture_that_sharpens_when_the_viewer_stands) {
+    Renderer renderer(scene, casters, nullptr, kWidth, kHeight);
+    Renderer raycast(scene, casters, nullptr, kWidth, kHeight);
+    shading::Image image, reference;
+    Camera camera = street_camera(0.0);
+    const auto draw = [&] {  // recorded costs: the same on every machine
+        return renderer.draw(camera, {}, {.budget_ms = 0.3, .fixed_near_m = 0.0, .deterministic = true}, image);
+    };
+    for (int f = 0; f < 40; ++f) {
+        camera.position.x += 0.1;
+        const FrameStats& stats = draw();
+        ASSERT_EQ(image.width, kWidth);
+        if (f > 20) {
+            EXPECT_LT(stats.resolution, 1.0) << "frame " << f;
+        }
+    }
+    raycast.draw(camera, {}, {.mode = Mode::raycast}, reference);
+    const double moving_db = psnr_db(image, reference);
+    EXPECT_GE(moving_db, 20.0);
+    for (int f = 0; f < 60; ++f) draw();
+    EXPECT_EQ(renderer.history().last_stats.resolution, 1.0);
+    EXPECT_GE(psnr_db(image, reference), std::max(32.0, moving_db));
 }
 
 }  // namespace

@@ -24,12 +24,12 @@ FramePlan plan_of(const FrameSettings& settings, int frames_at_rest) {
     return plan;
 }
 
-TEST(Plan, a_first_hybrid_frame_casts_everything_below_the_horizon) {
+TEST(Plan, a_first_hybrid_frame_casts_everything_below_the_horizon_and_fills_the_panorama) {
     EXPECT_EQ(to_text(plan_of({.fixed_near_m = 0.0}, 0)),
               "mode hybrid\n"
               "near field none, 0 m\n"
               "horizon traced, every 1 azimuths\n"
-              "panorama not used, up to 0.5 px\n"
+              "panorama not used and filled ahead, up to 0.5 px\n"
               "rays as many as needed by beam\n");
 }
 
@@ -40,6 +40,20 @@ TEST(Plan, a_viewer_who_rests_gets_the_panorama_filled_ahead) {
               "horizon traced, every 1 azimuths\n"
               "panorama looked up and filled ahead, up to 0.5 px\n"
               "rays as many as needed by beam\n");
+}
+
+TEST(Plan, a_budget_that_is_short_draws_the_picture_smaller) {
+    const FramePlan plan = plan_of({.budget_ms = 0.02, .fixed_near_m = 0.0, .use_panorama = false}, 60);
+    EXPECT_EQ(plan.image_width, 64);
+    EXPECT_EQ(plan.view.width, 16);  // a quarter: no budget makes it less
+    EXPECT_EQ(plan.view.height, 12);
+    EXPECT_FALSE(plan.look_up_panorama);
+}
+
+TEST(Plan, an_ample_budget_draws_the_picture_as_it_is) {
+    const FramePlan plan = plan_of({.budget_ms = 1000.0, .fixed_near_m = 0.0, .use_panorama = false}, 60);
+    EXPECT_EQ(plan.view.width, 64);
+    EXPECT_EQ(plan.view.height, 48);
 }
 
 TEST(Plan, raycast_uses_nothing_but_embree) {

@@ -152,6 +152,7 @@ json report_of(const ModeRun& run, std::size_t frames, int laps) {
 
     frame::PixelCounts pixels;
     double rays = 0, near_triangles = 0, near_draws = 0, shaded = 0, near_m = 0, stale = 0;
+    double resolution = 0, least_resolution = 1;
     double parallax_p99 = 0, parallax_max = 0;
     for (const frame::FrameStats& stats : run.stats) {
         pixels.near_field += stats.pixels.near_field;
@@ -160,6 +161,8 @@ json report_of(const ModeRun& run, std::size_t frames, int laps) {
         pixels.cast_hit += stats.pixels.cast_hit;
         pixels.cast_miss += stats.pixels.cast_miss;
         stale += double(stats.pixels.stale);
+        resolution += stats.resolution;
+        least_resolution = std::min(least_resolution, stats.resolution);
         rays += double(stats.rays);
         near_triangles += double(stats.near_triangles);
         near_draws += double(stats.near_draws);
@@ -188,6 +191,7 @@ json report_of(const ModeRun& run, std::size_t frames, int laps) {
               {"cast_hit", percent(pixels.cast_hit)},
               {"cast_miss", percent(pixels.cast_miss)}}},
             {"stale_pct", all > 0 ? 100.0 * stale / all : 0.0},
+            {"resolution", {{"mean", resolution / n}, {"min", least_resolution}}},
             {"rays_per_frame", rays / n},
             {"shaded_pixels_per_frame", shaded / n},
             {"near_triangles_per_frame", near_triangles / n},

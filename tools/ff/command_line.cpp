@@ -12,6 +12,8 @@ const std::map<std::string, frame::Mode> kModes{{"hybrid", frame::Mode::hybrid},
                                                 {"raster", frame::Mode::raster},
                                                 {"raycast", frame::Mode::raycast},
                                                 {"near", frame::Mode::near}};
+const std::map<std::string, budget::WhenLate> kWhenLate{{"coarser", budget::WhenLate::coarser},
+                                                        {"stale", budget::WhenLate::stale}};
 const std::map<std::string, frame::CasterKind> kCasters{
     {"beam", frame::CasterKind::beam}, {"embree", frame::CasterKind::embree}, {"grid", frame::CasterKind::grid}};
 const std::map<std::string, frame::OpacityKind> kOpacityKinds{{"auto", frame::OpacityKind::automatic},
@@ -50,6 +52,11 @@ void add_view_options(CLI::App& app, ViewOptions& view, bool with_mode) {
     app.add_option("--budget-ms", settings.budget_ms,
                    "Keep frames within this time by giving up accuracy; 0: exact frames")
         ->check(CLI::Range(0.0, 1e5));
+    app.add_option(
+           "--when-late", settings.when_late,
+           "What gives where the budget is short: coarser (the picture is drawn smaller) or stale (old texels of "
+           "the panorama stay)")
+        ->transform(CLI::CheckedTransformer(kWhenLate, CLI::ignore_case).description(""));
     app.add_option("--caster", settings.caster, "Who answers what is left over in hybrid: beam, embree or grid")
         ->transform(CLI::CheckedTransformer(kCasters, CLI::ignore_case).description(""));
     app.add_option("--near-m", settings.fixed_near_m,

@@ -13,13 +13,19 @@ namespace {
 
 using debug::PixelSource;
 
+/// The pixel that a pixel of the image was drawn as: the frame may have been drawn smaller.
+std::pair<int, int> drawn_pixel(const frame::FrameHistory& history, const shading::Image& image, int x, int y) {
+    return {x * history.visibility.width / image.width, y * history.visibility.height / image.height};
+}
+
 /// Codes in the image's own layout.
 std::vector<PixelSource> pixel_sources(const frame::FrameHistory& history, const shading::Image& image) {
     std::vector<PixelSource> codes(image.pixels.size(), PixelSource::cast_hit);
     const frame::SourceMasks& masks = history.sources;
-    for (int y = 0; y < image.height; ++y)
-        for (int x = 0; x < image.width; ++x) {
-            PixelSource& code = codes[std::size_t(y) * std::size_t(image.stride) + std::size_t(x)];
+    for (int row = 0; row < image.height; ++row)
+        for (int column = 0; column < image.width; ++column) {
+            PixelSource& code = codes[std::size_t(row) * std::size_t(image.stride) + std::size_t(column)];
+            const auto [x, y] = drawn_pixel(history, image, column, row);
             if (masks.near_field.test(x, y))
                 code = PixelSource::near;
             else if (masks.sky.test(x, y))
@@ -36,12 +42,13 @@ void paint_texel_ages(const frame::Renderer& renderer, shading::Image& image) {
     constexpr std::uint16_t kOldFrames = 120;
     const frame::FrameHistory& history = renderer.history();
     std::vector<std::uint16_t> ages(image.pixels.size(), debug::kNoAge);
-    for (int y = 0; y < image.height; ++y)
-        for (int x = 0; x < image.width; ++x) {
+    for (int row = 0; row < image.height; ++row)
+        for (int column = 0; column < image.width; ++column) {
+            const auto [x, y] = drawn_pixel(history, image, column, row);
             if (!history.panorama || !history.sources.panorama.test(x, y)) continue;
             const std::int64_t age = history.panorama->age(renderer.plan().view.direction(x, y));
             if (age < 0) continue;
-            ages[std::size_t(y) * std::size_t(image.stride) + std::size_t(x)] =
+            ages[std::size_t(row) * std::size_t(image.stride) + std::size_t(column)] =
                 std::uint16_t(std::min<std::int64_t>(age, debug::kNoAge - 1));
         }
     debug::paint_ages(ages, image.width, image.height, image.stride, kOldFrames, image);
@@ -75,6 +82,8 @@ void fill_overlay(const frame::Renderer& renderer, debug::OverlayData& data) {
             data.rows.push_back({std::string(frame::kPassNames[p]), fmt::format("{:.2f} ms", stats.pass_ms[p])});
     const auto all = double(renderer.plan().view.width) * renderer.plan().view.height;
     const auto percent = [&](std::uint64_t pixels) { return fmt::format("{:.1f} %", 100.0 * double(pixels) / all); };
+    if (stats.resolution < 1.0)
+        data.rows.push_back({"drawn at", fmt::format("{:.0f} % of each side", 100.0 * stats.resolution)});
     data.rows.push_back({"near pixels", percent(stats.pixels.near_field)});
     data.rows.push_back({"sky pixels", percent(stats.pixels.sky)});
     data.rows.push_back({"panorama pixels", percent(stats.pixels.panorama)});

@@ -17,6 +17,7 @@ nlohmann::json to_json(const frame::FrameStats& stats) {
               {"cast_hit", stats.pixels.cast_hit},
               {"cast_miss", stats.pixels.cast_miss},
               {"stale", stats.pixels.stale}}},
+            {"resolution", stats.resolution},
             {"rays", stats.rays},
             {"near_triangles", stats.near_triangles},
             {"shaded_pixels", stats.shaded_pixels},
