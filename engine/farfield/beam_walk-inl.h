@@ -22,13 +22,18 @@ namespace {
 
 constexpr int kStackEntries = 2048;  // 15 per level of a tree; the builder keeps trees below 132 levels
 
-// Pixels of the tile: columns x0..x1 and rows y0..y1, a byte each from the lowest on.
+// Pixels of the tile: columns x0..x1 and rows y0..y1, four bits each from the lowest on; then the quarters of the tile
+// that they touch, four bits; then whether they are few.
 struct PixelRect {
+    static constexpr int kFew = 4;  // columns and rows at most
+    static constexpr std::uint32_t kWholeTile = 0x0FF0F0u, kIsFew = 1u << 20;
     std::uint32_t packed;
-    [[nodiscard]] std::uint32_t x0() const { return packed & 255u; }
-    [[nodiscard]] std::uint32_t x1() const { return packed >> 8 & 255u; }
-    [[nodiscard]] std::uint32_t y0() const { return packed >> 16 & 255u; }
-    [[nodiscard]] std::uint32_t y1() const { return packed >> 24; }
+    [[nodiscard]] std::uint32_t x0() const { return packed & 15u; }
+    [[nodiscard]] std::uint32_t x1() const { return packed >> 4 & 15u; }
+    [[nodiscard]] std::uint32_t y0() const { return packed >> 8 & 15u; }
+    [[nodiscard]] std::uint32_t y1() const { return packed >> 12 & 15u; }
+    [[nodiscard]] std::uint32_t quarters() const { return packed >> 16 & 15u; }
+    [[nodiscard]] bool is_few() const { return (packed & kIsFew) != 0; }
 };
 
 struct StackEntry {
@@ -126,6 +131,18 @@ HWY_INLINE void covered_centres(VF low, VF high, VF per_near, VF per_far, VI& fi
     last = hn::Min(last, hn::ConvertTo(si, hn::Floor(end)));
 }
 
+// PixelRects.
+HWY_INLINE VI pack(VI x0, VI x1, VI y0, VI y1) {
+    const VI half = hn::Set(si, 8), few = hn::Set(si, PixelRect::kFew);
+    const VI columns = hn::Or(hn::IfThenElseZero(hn::Lt(x0, half), hn::Set(si, 0b0101 << 16)),
+                              hn::IfThenElseZero(hn::Gt(x1, hn::Set(si, 7)), hn::Set(si, 0b1010 << 16)));
+    const VI rows = hn::Or(hn::IfThenElseZero(hn::Lt(y0, half), hn::Set(si, 0b0011 << 16)),
+                           hn::IfThenElseZero(hn::Gt(y1, hn::Set(si, 7)), hn::Set(si, 0b1100 << 16)));
+    const auto are_few = hn::And(hn::Lt(hn::Sub(x1, x0), few), hn::Lt(hn::Sub(y1, y0), few));
+    return hn::Or(hn::Or(hn::Or(x0, hn::ShiftLeft<4>(x1)), hn::Or(hn::ShiftLeft<8>(y0), hn::ShiftLeft<12>(y1))),
+                  hn::Or(hn::And(columns, rows), hn::IfThenElseZero(are_few, hn::Set(si, int(PixelRect::kIsFew)))));
+}
+
 HWY_INLINE void children_in_beam(const BvhNode& node, const Beam& beam, const TileBounds& bounds, float far, Met& met) {
     for (int i = 0; i < 16; i += kLanes) {
         const float* lanes = node.low_x + i;
@@ -152,33 +169,28 @@ HWY_INLINE void children_in_beam(const BvhNode& node, const Beam& beam, const Ti
         const MF covers = hn::RebindMask(f, hn::Not(hn::Or(hn::Gt(x0, x1), hn::Gt(y0, y1))));
         met.all |= bits_of(hn::And(met_beam, covers)) << i;
         hn::Store(near, f, met.near + i);
-        const VI rect = hn::Or(hn::Or(x0, hn::ShiftLeft<8>(x1)), hn::Or(hn::ShiftLeft<16>(y0), hn::ShiftLeft<24>(y1)));
-        hn::Store(hn::BitCast(ui, rect), ui, met.rect + i);
+        hn::Store(hn::BitCast(ui, pack(x0, x1, y0, y1)), ui, met.rect + i);
     }
 }
 
-// Whether something in these pixels, nowhere nearer than `near`, could still be seen. Few pixels are asked one by one,
-// many by the quarters of the tile that they lie in.
+// Whether something in these few pixels, nowhere nearer than `near`, could still be seen: they are asked one by one.
+HWY_INLINE bool may_be_seen_in_few(const Tile& tile, float near, PixelRect rect) {
+    const hn::CappedTag<float, PixelRect::kFew> d;
+    const hn::RebindToSigned<decltype(d)> di;
+    static_assert(hn::MaxLanes(d) == std::size_t(PixelRect::kFew));
+    const std::uint32_t left = std::min(rect.x0(), std::uint32_t(kTileSize - PixelRect::kFew));
+    auto least = hn::Set(d, kInf);
+    for (std::uint32_t y = rect.y0(); y <= rect.y1(); ++y)
+        least = hn::Min(least, hn::LoadU(d, tile.best + y * kTileSize + left));
+    const auto lane = hn::Iota(di, int(left));
+    const auto outside = hn::Or(hn::Lt(lane, hn::Set(di, int(rect.x0()))), hn::Gt(lane, hn::Set(di, int(rect.x1()))));
+    least = hn::IfThenElse(hn::RebindMask(d, outside), hn::Set(d, kInf), least);
+    return !(near * hn::GetLane(hn::MinOfLanes(d, least)) >= kFarther);
+}
+
+// The same for any pixels, by the farthest of the quarters that they touch.
 HWY_INLINE bool may_be_seen(const Tile& tile, float near, PixelRect rect) {
-    const std::uint32_t x0 = rect.x0(), x1 = rect.x1(), y0 = rect.y0(), y1 = rect.y1();
-    constexpr std::uint32_t kFew = 4;
-    if (x1 - x0 < kFew && y1 - y0 < kFew) {
-        const hn::CappedTag<float, 4> four;
-        static_assert(hn::MaxLanes(four) == kFew);
-        const hn::RebindToSigned<decltype(four)> four_i;
-        const std::uint32_t left = std::min(x0, std::uint32_t(kTileSize) - kFew);
-        auto least = hn::Set(four, kInf);
-        for (std::uint32_t y = y0; y <= y1; ++y)
-            least = hn::Min(least, hn::LoadU(four, tile.best + y * kTileSize + left));
-        const auto lane = hn::Iota(four_i, int(left));
-        const auto outside = hn::Or(hn::Lt(lane, hn::Set(four_i, int(x0))), hn::Gt(lane, hn::Set(four_i, int(x1))));
-        least = hn::IfThenElse(hn::RebindMask(four, outside), hn::Set(four, kInf), least);
-        const float best = hn::GetLane(hn::MinOfLanes(four, least));
-        return !(near * best >= kFarther);
-    }
-    const std::uint32_t columns = (x0 < 8 ? 0b0101u : 0u) | (x1 >= 8 ? 0b1010u : 0u);
-    const std::uint32_t rows = (y0 < 8 ? 0b0011u : 0u) | (y1 >= 8 ? 0b1100u : 0u);
-    return near < tile.far[columns & rows];
+    return near < tile.far[rect.quarters()];
 }
 
 HWY_INLINE void prefetch(const void* address) {
@@ -193,10 +205,11 @@ HWY_INLINE void walk(const BvhNode* nodes, const Beam& beam, const Tile& tile, s
     const TileBounds bounds(tile);
     StackEntry stack[kStackEntries];
     int top = 0;
-    stack[top++] = {0.0f, 0, {15u << 8 | 15u << 24}};
+    stack[top++] = {0.0f, 0, {PixelRect::kWholeTile}};
     while (top > 0) {
         const StackEntry entry = stack[--top];
         if (!may_be_seen(tile, entry.near, entry.rect)) continue;
+        if (entry.rect.is_few() && !may_be_seen_in_few(tile, entry.near, entry.rect)) continue;
         if (entry.child & kBvhLeafBit) {
             on_leaf(entry.child & ~kBvhLeafBit);
             continue;
