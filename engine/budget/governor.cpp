@@ -95,7 +95,9 @@ Choice Governor::choose(const Outlook& outlook, const CostModel& costs, double b
         const double affordable = std::max(kMinRayShare * outlook.pixels, (kAim * budget_ms - fixed) / ray_ms(costs));
         ray_budget_ =
             ray_budget_ < 0.0 ? affordable : std::clamp(affordable, ray_budget_ / kRayStep, ray_budget_ * kRayStep);
-        ray_budget_ = std::min(ray_budget_, outlook.pixels);
+        ray_budget_ = std::min(ray_budget_, 2.0 * outlook.pixels);
+        choice.affordable_rays = ray_budget_;
+        choice.needed_rays = rays;
         if (keep_old) {
             choice.ray_budget = static_cast<std::uint64_t>(ray_budget_);
             if (ray_budget_ < rays) choice.look_up_panorama = true;  // what is not cast must come from somewhere

@@ -36,6 +36,8 @@ struct Choice {
     bool look_up_panorama = false;          ///< pays more than it costs
     std::uint64_t ray_budget = UINT64_MAX;  ///< casts allowed; UINT64_MAX: as many as are needed
     double resolution = 1.0;                ///< one of kResolutions; WhenLate::coarser
+    double affordable_rays = 0.0;           ///< that fit into the budget, at most twice the image's pixels
+    double needed_rays = 0.0;               ///< of the picture at full size
     double predicted_ms = 0.0;
 };
 

@@ -83,33 +83,41 @@ void reduce(const Camera& camera, double resolution, FramePlan& plan) {
     plan.view = make_view(camera, scaled(plan.image_width), scaled(plan.image_height));
 }
 
+/// A budget is kept by drawing smaller, and who rests gets the panorama, which makes frames cheaper than any other.
+void use_panorama_or_draw_smaller(const budget::Choice& choice, const Camera& camera, bool rests,
+                                  const FrameHistory& history, FramePlan& plan) {
+    double resolution = choice.resolution;
+    if (rests) {
+        plan.fill_panorama = true;
+        plan.look_up_panorama = history.panorama_is_full;
+        if (plan.look_up_panorama) return;
+        // Until the map holds all that is seen, it is filled with what time is left, and a quarter of it at least.
+        constexpr double kLeastFill = 0.25;
+        const double fill = std::max(choice.affordable_rays - choice.needed_rays, kLeastFill * choice.affordable_rays);
+        plan.fill_budget = std::uint64_t(fill);
+        resolution =
+            std::min(resolution, std::sqrt((choice.affordable_rays - fill) / std::max(1.0, choice.needed_rays)));
+        resolution = std::max(resolution, budget::kResolutions.back());
+    }
+    if (resolution < 1.0) reduce(camera, resolution, plan);
+}
+
 /// What the panorama does for the frame, and where it cannot help, how large the frame is drawn.
 void use_panorama(const FrameSettings& settings, const budget::Choice& choice, const Camera& camera,
                   const FrameHistory& history, FramePlan& plan) {
     const bool rests = settings.use_panorama && history.rest_frames >= kRestFrames;
-    if (settings.budget_ms > 0.0 && settings.when_late == budget::WhenLate::coarser) {
-        if (rests && history.panorama_is_full) {  // of all cheap frames the cheapest
-            plan.fill_panorama = plan.look_up_panorama = true;
-            return;
-        }
-        // While the map is not yet full of what is seen, half of the time goes to filling it.
-        double resolution = choice.resolution;
-        if (rests && history.has_frame) {
-            const double rays = resolution * resolution * history.outlook.pixels;
-            plan.fill_panorama = true;
-            plan.fill_budget = std::uint64_t(0.5 * rays);
-            resolution *= std::sqrt(0.5);
-        }
-        if (resolution < 1.0) reduce(camera, resolution, plan);
+    if (!history.has_frame) {
+        plan.fill_panorama = rests;
         return;
     }
+    if (settings.budget_ms > 0.0 && settings.when_late == budget::WhenLate::coarser)
+        return use_panorama_or_draw_smaller(choice, camera, rests, history, plan);
     plan.fill_panorama = rests;
     const bool reuses_while_moving = settings.budget_ms > 0.0 && choice.look_up_panorama;
-    plan.look_up_panorama = settings.use_panorama && history.has_frame && (reuses_while_moving || plan.fill_panorama);
+    plan.look_up_panorama = settings.use_panorama && (reuses_while_moving || plan.fill_panorama);
     // A frame that nearly fills its budget is remembered, for the next may not fit.
     constexpr double kTightShare = 0.6;
-    const bool tight =
-        settings.budget_ms > 0.0 && (!history.has_frame || choice.predicted_ms > kTightShare * settings.budget_ms);
+    const bool tight = settings.budget_ms > 0.0 && choice.predicted_ms > kTightShare * settings.budget_ms;
     plan.store_panorama = settings.use_panorama && !plan.fill_panorama && (plan.look_up_panorama || tight);
 }
 

@@ -50,6 +50,14 @@ TEST(Plan, a_budget_that_is_short_draws_the_picture_smaller) {
     EXPECT_FALSE(plan.look_up_panorama);
 }
 
+TEST(Plan, an_ample_budget_stays_sharp_while_the_panorama_is_filled) {
+    for (const int frames_at_rest : {1, 2, 3, 10}) {
+        const FramePlan plan = plan_of({.budget_ms = 1000.0, .fixed_near_m = 0.0}, frames_at_rest);
+        EXPECT_EQ(plan.view.width, 64) << frames_at_rest;
+        EXPECT_TRUE(plan.fill_panorama) << frames_at_rest;
+    }
+}
+
 TEST(Plan, an_ample_budget_draws_the_picture_as_it_is) {
     const FramePlan plan = plan_of({.budget_ms = 1000.0, .fixed_near_m = 0.0, .use_panorama = false}, 60);
     EXPECT_EQ(plan.view.width, 64);
