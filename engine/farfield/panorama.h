@@ -103,8 +103,8 @@ class Panorama {
     void begin_frame(const WorldPos& position);
     /// Forgets everything.
     void clear();
-    /// Takes all of the map's memory at once, some 20 bytes a texel: otherwise frames take it bit by bit as they fill the
-    /// map, and stutter.
+    /// Takes all of the map's memory at once, some 20 bytes a texel: otherwise frames take it bit by bit as they fill
+    /// the map, and stutter.
     void populate();
 
     /// Chooses the texels to cast so that lookup() of the same pixels finds them all: never seen first, then the

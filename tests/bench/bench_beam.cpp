@@ -18,9 +18,7 @@
 #include "engine/core/stopwatch.h"
 #include "engine/farfield/embree_caster.h"
 #include "engine/farfield/ray_caster.h"
-#include "engine/scene/load_world.h"
-#include "engine/scene/walk.h"
-#include "engine/scene/world.h"
+#include "tests/bench/pack_walk.h"
 #include "tests/support/worlds.h"
 
 namespace {
@@ -144,20 +142,16 @@ void run(const std::string& name, const scene::StaticScene& scene, std::span<con
 
 // Sixteen frames of a pack's walk, evenly.
 int run_pack(const std::string& pack, const std::string& walk_name, int width, int height, int laps) {
-    const Result<std::unique_ptr<scene::World>> world = scene::load_world(pack);
-    if (!world) {
-        fmt::print(stderr, "bench_beam: {}\n", world.error().message);
+    const Result<bench::PackWalk> opened = bench::open_pack_walk(pack, walk_name);
+    if (!opened) {
+        fmt::print(stderr, "bench_beam: {}\n", opened.error().message);
         return 3;
     }
-    const scene::Walk* walk = (*world)->find_walk(walk_name);
-    if (walk == nullptr) {
-        fmt::print(stderr, "bench_beam: {} has no walk '{}'\n", pack, walk_name);
-        return 2;
-    }
+    const scene::Walk& walk = *opened->walk;
     std::vector<PinholeView> views;
     for (std::size_t i = 0; i < 16; ++i)
-        views.push_back(make_view(walk->camera(i * walk->frames.size() / 16), width, height));
-    run(walk_name, (*world)->scene(), views, width, height, laps);
+        views.push_back(make_view(walk.camera(i * walk.frames.size() / 16), width, height));
+    run(walk_name, opened->world->scene(), views, width, height, laps);
     return 0;
 }
 

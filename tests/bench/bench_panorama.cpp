@@ -21,12 +21,10 @@
 #include "engine/farfield/horizon.h"
 #include "engine/farfield/panorama.h"
 #include "engine/farfield/ray_caster.h"
-#include "engine/scene/load_world.h"
-#include "engine/scene/walk.h"
-#include "engine/scene/world.h"
 #include "engine/shading/shading_pass.h"
 #include "tests/bench/bench_world.h"
 #include "tests/bench/cpu_watch.h"
+#include "tests/bench/pack_walk.h"
 
 namespace {
 
@@ -266,24 +264,20 @@ LapCounts run_lap(const scene::StaticScene& scene, farfield::RayCaster& caster, 
 }
 
 int run_pack(const std::string& pack, const std::string& walk_name, int laps) {
-    const Result<std::unique_ptr<scene::World>> world = scene::load_world(pack);
-    if (!world) {
-        fmt::print(stderr, "bench_panorama: {}\n", world.error().message);
+    const Result<bench::PackWalk> opened = bench::open_pack_walk(pack, walk_name);
+    if (!opened) {
+        fmt::print(stderr, "bench_panorama: {}\n", opened.error().message);
         return 3;
     }
-    const scene::Walk* walk = (*world)->find_walk(walk_name);
-    if (walk == nullptr) {
-        fmt::print(stderr, "bench_panorama: {} has no walk '{}'\n", pack, walk_name);
-        return 2;
-    }
+    const scene::Walk& walk = *opened->walk;
     std::vector<PinholeView> views;
-    for (std::size_t i = 0; i < walk->frames.size(); ++i) views.push_back(make_view(walk->camera(i), kWidth, kHeight));
-    const auto caster = farfield::make_beam_caster((*world)->scene());
+    for (std::size_t i = 0; i < walk.frames.size(); ++i) views.push_back(make_view(walk.camera(i), kWidth, kHeight));
+    const auto caster = farfield::make_beam_caster(opened->world->scene());
     std::array<double, kSteps> most;
     most.fill(1e9);
     std::vector<std::array<double, kSteps>> times(views.size(), most);
     LapCounts counts;
-    for (int lap = 0; lap < laps; ++lap) counts = run_lap((*world)->scene(), *caster, views, times);
+    for (int lap = 0; lap < laps; ++lap) counts = run_lap(opened->world->scene(), *caster, views, times);
     fmt::print("| step | ms, mean over frames of the best lap | most |\n|---|---|---|\n");
     for (std::size_t step = 0; step < kSteps; ++step) {
         double sum = 0, worst = 0;

@@ -16,14 +16,12 @@
 #include "engine/core/jobs.h"
 #include "engine/core/stopwatch.h"
 #include "engine/farfield/ray_caster.h"
-#include "engine/scene/load_world.h"
 #include "engine/scene/prelit_colors.h"
-#include "engine/scene/walk.h"
-#include "engine/scene/world.h"
 #include "engine/shading/image_difference.h"
 #include "engine/shading/shading_pass.h"
 #include "tests/bench/bench_world.h"
 #include "tests/bench/cpu_watch.h"
+#include "tests/bench/pack_walk.h"
 
 namespace {
 
@@ -122,18 +120,14 @@ Vectors count_vectors(const farfield::VisibilityBuffer& visibility) {
 
 /// Sixteen frames of a pack's walk, evenly.
 int run_pack(const std::string& pack, const std::string& walk_name, int laps, const char* folder) {
-    const Result<std::unique_ptr<scene::World>> world = scene::load_world(pack);
-    if (!world) {
-        fmt::print(stderr, "bench_shading: {}\n", world.error().message);
+    const Result<bench::PackWalk> opened = bench::open_pack_walk(pack, walk_name);
+    if (!opened) {
+        fmt::print(stderr, "bench_shading: {}\n", opened.error().message);
         return 3;
     }
-    const scene::Walk* walk = (*world)->find_walk(walk_name);
-    if (walk == nullptr) {
-        fmt::print(stderr, "bench_shading: {} has no walk '{}'\n", pack, walk_name);
-        return 2;
-    }
+    const scene::Walk& walk = *opened->walk;
     constexpr std::size_t kViews = 16;
-    const scene::StaticScene& scene = (*world)->scene();
+    const scene::StaticScene& scene = opened->world->scene();
     const auto caster = farfield::make_beam_caster(scene);
     const auto tiles = whole_image();
     farfield::VisibilityBuffer visibility;
@@ -145,7 +139,7 @@ int run_pack(const std::string& pack, const std::string& walk_name, int laps, co
     double triangles = 0;
     for (int lap = 0; lap < laps; ++lap)
         for (std::size_t i = 0; i < kViews; ++i) {
-            const PinholeView view = make_view(walk->camera(i * walk->frames.size() / kViews), kWidth, kHeight);
+            const PinholeView view = make_view(walk.camera(i * walk.frames.size() / kViews), kWidth, kHeight);
             for (int workers = 1; workers <= 2; ++workers) {
                 const WorkerLimit limit(workers);
                 caster->cast_tiles(view, tiles, visibility);

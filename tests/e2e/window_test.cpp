@@ -30,7 +30,7 @@ xdotool key --window "$window" F12
 wait_for "$2/picture2.png"
 xdotool key --window "$window" F1
 sleep 0.5
-xdotool key --window "$window" Escape || true  # the window may be gone before the key is up
+xdotool keydown --window "$window" Escape  # no key up: the window is gone by then
 wait $tool
 )");
     const ProcessResult result = run("XDG_CACHE_HOME=" + (scratch() / "cache").string() +
