@@ -40,8 +40,7 @@ MeshSource random_mesh(std::uint32_t seed, int triangles) {
 }
 
 const std::vector<Material>& materials() {
-    static const std::vector<Material> two = {test::plain_material(),
-                                              {.flags = kMaterialAlphaMask}};
+    static const std::vector<Material> two = {test::plain_material(), {.flags = kMaterialAlphaMask}};
     return two;
 }
 
