@@ -14,8 +14,8 @@ constexpr double kUnlimited = 1e9;
 
 constexpr std::array kBudgets{KnobValue{0.0, "none"}, KnobValue{33}, KnobValue{24}, KnobValue{16},
                               KnobValue{12},          KnobValue{8},  KnobValue{6},  KnobValue{4}};
-constexpr std::array kResolutionShares{KnobValue{1.0},  KnobValue{0.84}, KnobValue{0.71},
-                                       KnobValue{0.59}, KnobValue{0.5},  KnobValue{0.35}};
+constexpr std::array kResolutionShares{KnobValue{1.0, "100%"}, KnobValue{0.84, "84%"}, KnobValue{0.71, "71%"},
+                                       KnobValue{0.59, "59%"}, KnobValue{0.5, "50%"},  KnobValue{0.35, "35%"}};
 constexpr std::array kParallaxes{KnobValue{0.0, "never"}, KnobValue{0.25}, KnobValue{0.5},
                                  KnobValue{1.0},          KnobValue{2.0},  KnobValue{4.0}};
 constexpr std::array kRayBudgets{KnobValue{kUnlimited, "all"},
@@ -28,7 +28,7 @@ constexpr std::array kDensities{KnobValue{1.5}, KnobValue{1.0}, KnobValue{0.75},
 constexpr std::array kEdgeRules{KnobValue{1, "cast"}, KnobValue{2, "verify"}, KnobValue{0, "blend"}};
 constexpr std::array kPrelitDistances{
     KnobValue{kUnlimited, "never"}, KnobValue{1600}, KnobValue{400}, KnobValue{100}, KnobValue{25}, KnobValue{0}};
-constexpr std::array kSubsamples{KnobValue{1}, KnobValue{2}, KnobValue{4}};
+constexpr std::array kSubsamples{KnobValue{1, "every"}, KnobValue{2, "every 2nd"}, KnobValue{4, "every 4th"}};
 constexpr std::array kHorizonUses{KnobValue{1, "traced"}, KnobValue{0, "off"}};
 constexpr std::array kCasterKinds{KnobValue{0, "beam"}, KnobValue{1, "embree"}, KnobValue{2, "grid"}};
 constexpr std::array kNearDistances{KnobValue{0}, KnobValue{25}, KnobValue{50}, KnobValue{100}, KnobValue{400}};
@@ -42,8 +42,8 @@ void reuse(FrameSettings& s) {
 const std::array kKnobs{
     Knob{"budget_ms", "ms", "Time that a frame may take; what does not fit is drawn smaller.", 0.0, kBudgets,
          [](FrameSettings& s, double v) { s.budget_ms = v; }},
-    Knob{"resolution", "of the sides", "Share of the image's sides that is drawn, then enlarged.", 1.0,
-         kResolutionShares, [](FrameSettings& s, double v) { s.resolution = float(v); }},
+    Knob{"resolution", "", "Share of the image's sides that is drawn, then enlarged.", 1.0, kResolutionShares,
+         [](FrameSettings& s, double v) { s.resolution = float(v); }},
     Knob{"panorama_parallax", "px", "A walking viewer reuses panorama texels up to this predicted parallax.", 0.0,
          kParallaxes,
          [](FrameSettings& s, double v) {
@@ -57,7 +57,7 @@ const std::array kKnobs{
              reuse(s);
              s.ray_budget = v < kUnlimited ? std::uint64_t(v) : UINT64_MAX;
          }},
-    Knob{"panorama_density", "times", "Texels a side of a reused panorama, against the usual 1.25 a pixel.", 1.0,
+    Knob{"panorama_density", "x", "Texels a side of a reused panorama, against the usual 1.25 a pixel.", 1.0,
          kDensities,
          [](FrameSettings& s, double v) {
              reuse(s);
@@ -76,7 +76,7 @@ const std::array kKnobs{
          }},
     Knob{"horizon", "", "Whether sky above the traced skyline is left to nobody.", 1.0, kHorizonUses,
          [](FrameSettings& s, double v) { s.use_horizon = v != 0.0; }},
-    Knob{"horizon_subsample", "th azimuth", "Every n-th azimuth is traced, on height squares so much coarser.", 1.0,
+    Knob{"horizon_subsample", "", "Which azimuths are traced; fewer ones on height squares so much coarser.", 1.0,
          kSubsamples, [](FrameSettings& s, double v) { s.horizon_subsample = int(v); }},
     Knob{"caster", "", "Who answers what is left over.", 0.0, kCasterKinds,
          [](FrameSettings& s, double v) { s.caster = CasterKind(int(v)); }},

@@ -45,6 +45,8 @@ struct FrameSettings {
     /// Pixels that the panorama answers get their instance and triangle as well: dearer, for who measures what is seen.
     bool keep_ids = false;
     bool deterministic = false;  ///< decide from recorded costs, so that the same inputs give the same bits
+
+    friend bool operator==(const FrameSettings&, const FrameSettings&) = default;
 };
 
 }  // namespace ff::frame

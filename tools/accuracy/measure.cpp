@@ -149,6 +149,7 @@ Result<std::vector<Point>> measure(const Bench& bench, std::span<const KnobSetti
         Point& point = points[i];
         const std::vector<double> times = sorted_times(trials[i + 1]);
         point.settings = settings[i];
+        point.is_exact = trials[i + 1].settings == bench.exact;
         point.times = {.median_ms = median_of(times),
                        .p99_ms = times[std::size_t(std::ceil(0.99 * double(times.size()))) - 1],
                        .exact_median_ms = exact_median};

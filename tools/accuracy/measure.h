@@ -39,6 +39,7 @@ struct WorstFrame {
 /// One point: settings, what they cost and what they give.
 struct Point {
     KnobSettings settings;
+    bool is_exact = false;  ///< the knobs stand where exact frames have them
     Times times;
     Errors errors;
     WorstFrame worst;

@@ -9,6 +9,8 @@ namespace {
 
 /// A time below that of exact frames by less is noise.
 constexpr double kWorthwhileRatio = 0.97;
+/// An error larger by less cannot be seen.
+constexpr double kNoticeableFlip = 1e-4;
 
 bool are_compatible(const Point& a, const Point& b) {
     for (const auto& [name, value] : a.settings)
@@ -25,9 +27,11 @@ std::vector<const Point*> pareto_front(std::span<const Point* const> points) {
         return a->time_ratio() != b->time_ratio() ? a->time_ratio() < b->time_ratio()
                                                   : a->errors.flip_mean < b->errors.flip_mean;
     });
+    constexpr double kClearlyLess = 0.99;
     std::vector<const Point*> front;
     for (const Point* point : sorted)
-        if (front.empty() || point->errors.flip_mean < front.back()->errors.flip_mean) front.push_back(point);
+        if (front.empty() || point->errors.flip_mean < kClearlyLess * front.back()->errors.flip_mean)
+            front.push_back(point);
     return front;
 }
 
@@ -82,16 +86,13 @@ std::string say(const frame::Knob& knob, std::span<const Point> points) {
     if (best == nullptr)
         return fmt::format("No other value is faster than {} here: leave {} as it is.", from, knob.name);
     const double saved_ms = (usual->time_ratio() - best->time_ratio()) * usual->times.exact_median_ms;
-    const double lost_db = usual->errors.psnr_exact_db_min - best->errors.psnr_exact_db_min;
     const double flip = best->errors.flip_mean - usual->errors.flip_mean;
-    if (flip <= 1e-4 && lost_db < 0.5)
-        return fmt::format("{} instead of {} saves {:.2f} ms of {:.1f} and costs nothing that can be seen.",
-                           knob.text(value_of(*best)), from, saved_ms, usual->times.median_ms);
-    return fmt::format(
-        "{} instead of {} saves {:.2f} ms of {:.1f}: each millisecond costs {:.4f} FLIP (worst frame {:.1f} dB instead "
-        "of {:.1f} against exact frames).",
-        knob.text(value_of(*best)), from, saved_ms, usual->times.median_ms, std::max(flip, 0.0) / saved_ms,
-        best->errors.psnr_exact_db_min, usual->errors.psnr_exact_db_min);
+    const std::string saves = fmt::format("{} instead of {} saves {:.2f} ms of {:.1f}", knob.text(value_of(*best)),
+                                          from, saved_ms, usual->times.median_ms);
+    const std::string worst = fmt::format("the worst frame has {:.1f} dB instead of {:.1f} against exact ones",
+                                          best->errors.psnr_exact_db_min, usual->errors.psnr_exact_db_min);
+    if (flip <= kNoticeableFlip) return fmt::format("{} and costs no FLIP; {}.", saves, worst);
+    return fmt::format("{}: each millisecond costs {:.4f} FLIP; {}.", saves, flip / saved_ms, worst);
 }
 
 Result<Sweep> sweep(const Bench& bench, int pairs) {
@@ -114,7 +115,8 @@ Result<Sweep> sweep(const Bench& bench, int pairs) {
     }
     std::vector<const Point*> all{&result.exact};
     for (const KnobCurve& curve : result.curves)
-        for (const Point& point : curve.points) all.push_back(&point);
+        for (const Point& point : curve.points)
+            if (!point.is_exact) all.push_back(&point);
     const auto promising = promising_pairs(std::span(all).subspan(1), result.exact, std::size_t(pairs));
     if (!promising.empty()) {
         FF_ASSIGN(result.pairs, measure(bench, promising, "pairs of knobs"));

@@ -25,7 +25,8 @@ struct Sweep {
 /// Errors: a knob table that contradicts itself, the cache cannot be written.
 Result<Sweep> sweep(const Bench& bench, int pairs);
 
-/// Points that no other beats in both time (against exact frames of the same laps) and FLIP; the fastest first.
+/// Points that no other beats in both time (against exact frames of the same laps) and FLIP; the fastest first. An
+/// error less by under a hundredth is no reason to take longer.
 [[nodiscard]] std::vector<const Point*> pareto_front(std::span<const Point* const> points);
 
 /// Two-knob settings that promise most: from values that save time by themselves, those pairs of different knobs that

@@ -4,6 +4,8 @@
 
 #include "engine/core/jobs.h"
 #include "engine/core/log.h"
+#include "engine/core/write_file.h"
+#include "tools/accuracy/choose.h"
 #include "tools/accuracy/report.h"
 #include "tools/ff/machine.h"
 #include "tools/ff/session.h"
@@ -41,7 +43,11 @@ Status run_accuracy(const AccuracyOptions& options) {
     const accuracy::ReportInfo info{
         .cpu = cpu_name(), .gl_renderer = session.gl_renderer_name(), .threads = worker_count()};
     FF_TRY(accuracy::write_report(bench, sweep, info, options.out));
+    // Beside the pack, too: there walks that are given an allowed error find it.
+    const std::filesystem::path table = accuracy::table_path(pack_path(options.view.pack));
+    FF_TRY(write_file_whole(table, accuracy::report_json(bench, sweep, info)));
     for (const accuracy::KnobCurve& curve : sweep.curves) log_info("{}: {}", curve.knob->name, curve.says);
+    log_info("{}: for --max-error-px and --min-psnr", table.string());
     log_info("{}: accuracy.html and accuracy.json", std::filesystem::absolute(options.out).string());
     return {};
 }

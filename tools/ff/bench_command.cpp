@@ -213,7 +213,7 @@ Status run_bench(const BenchOptions& options) {
         if (std::any_of(runs.begin(), runs.end(), [&](const ModeRun& run) { return run.name == name; })) continue;
         ModeRun run;
         run.name = name;
-        run.settings = options.view.frame;
+        run.settings = kModes.at(name) == frame::Mode::hybrid ? session->settings() : options.view.frame;
         run.settings.mode = kModes.at(name);
         run.renderer = session->make_renderer(options.view.size);
         run.frame_ms.resize(frames);

@@ -77,6 +77,12 @@ void add_view_options(CLI::App& app, ViewOptions& view, bool with_mode) {
     app.add_flag("--no-panorama{false}", settings.use_panorama, "Never reuse the panoramic cache");
     app.add_flag("--no-occlusion{false}", view.use_occlusion, "Draw near instances that others hide, too");
     app.add_flag("--no-horizon{false}", settings.use_horizon, "Cast sky pixels like all others");
+    app.add_option("--max-error-px", view.max_error_px,
+                   "Take the fastest settings that 'ff accuracy' measured to be off by so many pixels at most")
+        ->check(CLI::Range(0.0, 1e3));
+    app.add_option("--min-psnr", view.min_psnr_db,
+                   "Likewise: with at least so many dB against exact frames, in the worst frame")
+        ->check(CLI::Range(0.0, 99.0));
     app.add_flag("--deterministic", settings.deterministic, "Decide from recorded costs instead of measured ones");
 }
 

@@ -94,6 +94,12 @@ function refresh() {
     chart.options.scales.x.title.text = state.time.name;
     const y = chart.options.scales.y;
     y.title.text = state.metric.name;
+    // Where nothing differs, say so by a flat line in the middle instead of magnified rounding.
+    const values = chart.measured.flat().map((p) => p[state.metric.key]);
+    const low = Math.min(...values), high = Math.max(...values), margin = 0.1 * Math.abs(high);
+    const isFlat = high - low < 0.02 * Math.abs(high) || high === low;
+    y.suggestedMin = isFlat ? low - margin : undefined;
+    y.suggestedMax = isFlat ? high + margin + 1e-6 : undefined;
     y.reverse = Boolean(state.metric.moreIsBetter);
     y.type = state.logarithmic ? 'logarithmic' : 'linear';
     chart.update();
