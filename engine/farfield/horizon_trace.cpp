@@ -103,34 +103,92 @@ void compute_bounds(const HorizonTraceInput& in, int level, Batch& batch) {
     }
 }
 
+/// Of a vector of squares, what the tests for promise need: multiplied out and rounded in favour of the squares, a
+/// column rises to a tangent t only where neither rise * |x| < t * by_x nor rise * |z| < t * by_z. Above the eye |x|
+/// and |z| are the wedge's largest, below it the smallest.
+struct Contender {
+    V rise, by_x, by_z;
+    hn::MFromD<D> above;
+    hn::MFromD<D> nothing;  ///< to raise with
+};
+
+HWY_INLINE Contender contender_of(const Rise& r) {
+    Contender who;
+    who.rise = hn::Add(r.rise, hn::Mul(hn::Abs(r.rise), hn::Set(d, 2e-6f)));
+    who.by_x = r.by_x;
+    who.by_z = r.by_z;
+    who.above = r.above;
+    who.nothing = hn::Eq(r.rise, hn::Set(d, -std::numeric_limits<float>::infinity()));
+    return who;
+}
+
+/// Where a contender fails to raise a wedge with a tangent. A NaN (nothing known, no gap) is no failure.
+HWY_INLINE hn::MFromD<D> fails(const Contender& who, V tangent, V max_x, V max_z, V min_x, V min_z) {
+    const V left_x = hn::Mul(who.rise, hn::IfThenElse(who.above, max_x, min_x));
+    const V left_z = hn::Mul(who.rise, hn::IfThenElse(who.above, max_z, min_z));
+    return hn::Or(hn::Lt(left_x, hn::Mul(tangent, who.by_x)), hn::Lt(left_z, hn::Mul(tangent, who.by_z)));
+}
+
+/// Where contenders fail in each of the parent's columns that they are seen in.
+HWY_INLINE hn::MFromD<D> fails_everywhere(const HorizonWedges& wedges, const Contender& who, const Square& parent,
+                                          const std::int32_t* first, const std::int32_t* count, const float* tangents) {
+    auto failed = hn::Eq(hn::Zero(d), hn::Zero(d));
+    const auto from_parent = hn::Sub(hn::Load(di, first), hn::Set(di, parent.first));
+    const auto start =
+        hn::Add(from_parent, hn::IfThenElseZero(hn::Lt(from_parent, hn::Zero(di)), hn::Set(di, wedges.columns)));
+    const auto end = hn::Add(start, hn::Load(di, count));
+    auto at = hn::Zero(di);
+    const auto range = [&](int from, int to) HWY_ATTR {
+        for (int c = from; c < to; ++c) {
+            const auto inside = hn::AndNot(hn::Gt(start, at), hn::Gt(end, at));
+            const auto fails_here =
+                fails(who, hn::Set(d, tangents[c]), hn::Set(d, wedges.max_x[c]), hn::Set(d, wedges.max_z[c]),
+                      hn::Set(d, wedges.min_x[c]), hn::Set(d, wedges.min_z[c]));
+            failed = hn::AndNot(hn::AndNot(fails_here, hn::RebindMask(d, inside)), failed);
+            at = hn::Add(at, hn::Set(di, 1));
+        }
+    };
+    const int parent_end = parent.first + parent.count;
+    if (HWY_LIKELY(parent_end <= wedges.columns)) {
+        range(parent.first, parent_end);
+    } else {
+        range(parent.first, wedges.columns);
+        range(0, parent_end - wedges.columns);
+    }
+    return failed;
+}
+
+/// Columns of a parent up to which each is asked for each child, sixteen at a time.
+constexpr int kFewColumns = 24;
+
+HWY_INLINE std::uint32_t bits_of(hn::MFromD<D> mask) {
+    std::uint8_t lanes[8] = {};
+    hn::StoreMaskBits(d, mask, lanes);
+    return std::uint32_t(lanes[0]) | std::uint32_t(lanes[1]) << 8;
+}
+
 /// Fills the batch like compute_bounds, but where a square cannot raise any of its parent's columns.
 /// @return bit i: square i may; a necessary condition, cheaper than asking every column.
-std::uint32_t compute_promising(const HorizonTraceInput& in, int level, const Survey& survey, Batch& batch) {
-    // Above, rise * min(max_x / gap_x, max_z / gap_z) > lowest; below, rise * max(min_x / far_x, min_z / far_z) is the
-    // smaller of the two as well. Multiplied out, and rounded in favour of the square.
-    const V lowest = hn::Set(d, std::max(survey.lowest, -1e30f));
+std::uint32_t compute_promising(const HorizonTraceInput& in, int level, const Square& parent, const Survey& survey,
+                                const float* tangents, Batch& batch) {
+    const V lowest = hn::Set(d, survey.lowest);
     const V max_x = hn::Set(d, survey.max_x), max_z = hn::Set(d, survey.max_z);
     const V min_x = hn::Set(d, survey.min_x), min_z = hn::Set(d, survey.min_z);
-    const V favour = hn::Set(d, 1e-6f);
     std::uint32_t bits = 0;
     for (std::size_t i = 0; i < 16; i += hn::Lanes(d)) {
         const Extent extent = extent_of(in, level, batch, i);
         const Rise r = rise_of(in, extent, hn::Load(d, batch.height + i));
-        const V left_x = hn::Mul(r.rise, hn::IfThenElse(r.above, max_x, min_x));
-        const V left_z = hn::Mul(r.rise, hn::IfThenElse(r.above, max_z, min_z));
-        const V right_x = hn::Mul(lowest, r.by_x), right_z = hn::Mul(lowest, r.by_z);
-        const V slack_x = hn::Mul(hn::Add(hn::Abs(left_x), hn::Abs(right_x)), favour);
-        const V slack_z = hn::Mul(hn::Add(hn::Abs(left_z), hn::Abs(right_z)), favour);
-        const auto may_raise =
-            hn::And(hn::Gt(r.rise, hn::Set(d, -std::numeric_limits<float>::infinity())),
-                    hn::And(hn::Ge(hn::Add(left_x, slack_x), right_x), hn::Ge(hn::Add(left_z, slack_z), right_z)));
-        std::uint8_t lanes[8] = {};
-        hn::StoreMaskBits(d, may_raise, lanes);
-        const std::uint32_t found = std::uint32_t(lanes[0]) | std::uint32_t(lanes[1]) << 8;
-        if (found == 0) continue;
-        bits |= found << i;
-        store_rise(r, batch, i);
+        const Contender who = contender_of(r);
+        auto failed = hn::Or(who.nothing, fails(who, lowest, max_x, max_z, min_x, min_z));
+        if (hn::AllTrue(d, failed)) continue;
         compute_columns(in.wedges, margin_scale(level), extent, batch.first + i, batch.count + i);
+        if (parent.count <= kFewColumns) {
+            failed =
+                hn::Or(failed, fails_everywhere(in.wedges, who, parent, batch.first + i, batch.count + i, tangents));
+            if (hn::AllTrue(d, failed)) continue;
+        }
+        bits |= bits_of(hn::Not(failed)) << i;
+        store_rise(r, batch, i);
     }
     return bits;
 }
@@ -328,14 +386,14 @@ std::uint32_t walk_grid(const HorizonTraceInput& in, float* tangents, std::uint3
         if (!raises_any_sign(in.wedges, bound, tangents)) continue;
         const Survey survey = survey_columns(in.wedges, bound, tangents);
         int level = bound.level - 2;
-        if (level == in.finest_level && is_distant(in, bound)) {
+        if ((bound.level - in.finest_level) % 2 == 0 && is_distant(in, bound)) {
             load_quarters(in, bound, ++level, batch);
             squares += 4;
         } else {
             load_children(in, bound, level, batch);
             squares += 16;
         }
-        std::uint32_t bits = compute_promising(in, level, survey, batch);
+        std::uint32_t bits = compute_promising(in, level, bound, survey, tangents, batch);
         if (level <= in.finest_level + 1) {
             for (; bits != 0; bits &= bits - 1) raise_by(in, batch.at(std::countr_zero(bits), level), tangents, winner);
         } else {
