@@ -42,7 +42,8 @@ struct alignas(64) Batch {
     float rise[16], a[16], b[16];
     std::int32_t first[16], count[16];
 
-    Square at(int i, int level) const { return {{rise[i], a[i], b[i], first[i], count[i]}, x[i], z[i], level}; }
+    Bound bound(int i) const { return {rise[i], a[i], b[i], first[i], count[i]}; }
+    Square at(int i, int level) const { return {bound(i), x[i], z[i], level}; }
 };
 
 HWY_INLINE Extent extent_of(const HorizonTraceInput& in, int level, const Batch& batch, std::size_t i) {
@@ -98,8 +99,12 @@ HWY_INLINE float margin_scale(int level) {
 void compute_bounds(const HorizonTraceInput& in, int level, Batch& batch) {
     for (std::size_t i = 0; i < 16; i += hn::Lanes(d)) {
         const Extent extent = extent_of(in, level, batch, i);
-        store_rise(rise_of(in, extent, hn::Load(d, batch.height + i)), batch, i);
+        const Rise r = rise_of(in, extent, hn::Load(d, batch.height + i));
+        store_rise(r, batch, i);
         compute_columns(in.wedges, margin_scale(level), extent, batch.first + i, batch.count + i);
+        const auto something = hn::Gt(r.rise, hn::Set(d, -std::numeric_limits<float>::infinity()));
+        hn::Store(hn::IfThenElseZero(hn::RebindMask(di, something), hn::Load(di, batch.count + i)), di,
+                  batch.count + i);
     }
 }
 
@@ -129,38 +134,6 @@ HWY_INLINE hn::MFromD<D> fails(const Contender& who, V tangent, V max_x, V max_z
     return hn::Or(hn::Lt(left_x, hn::Mul(tangent, who.by_x)), hn::Lt(left_z, hn::Mul(tangent, who.by_z)));
 }
 
-/// Where contenders fail in each of the parent's columns that they are seen in.
-HWY_INLINE hn::MFromD<D> fails_everywhere(const HorizonWedges& wedges, const Contender& who, const Square& parent,
-                                          const std::int32_t* first, const std::int32_t* count, const float* tangents) {
-    auto failed = hn::Eq(hn::Zero(d), hn::Zero(d));
-    const auto from_parent = hn::Sub(hn::Load(di, first), hn::Set(di, parent.first));
-    const auto start =
-        hn::Add(from_parent, hn::IfThenElseZero(hn::Lt(from_parent, hn::Zero(di)), hn::Set(di, wedges.columns)));
-    const auto end = hn::Add(start, hn::Load(di, count));
-    auto at = hn::Zero(di);
-    const auto range = [&](int from, int to) HWY_ATTR {
-        for (int c = from; c < to; ++c) {
-            const auto inside = hn::AndNot(hn::Gt(start, at), hn::Gt(end, at));
-            const auto fails_here =
-                fails(who, hn::Set(d, tangents[c]), hn::Set(d, wedges.max_x[c]), hn::Set(d, wedges.max_z[c]),
-                      hn::Set(d, wedges.min_x[c]), hn::Set(d, wedges.min_z[c]));
-            failed = hn::AndNot(hn::AndNot(fails_here, hn::RebindMask(d, inside)), failed);
-            at = hn::Add(at, hn::Set(di, 1));
-        }
-    };
-    const int parent_end = parent.first + parent.count;
-    if (HWY_LIKELY(parent_end <= wedges.columns)) {
-        range(parent.first, parent_end);
-    } else {
-        range(parent.first, wedges.columns);
-        range(0, parent_end - wedges.columns);
-    }
-    return failed;
-}
-
-/// Columns of a parent up to which each is asked for each child, sixteen at a time.
-constexpr int kFewColumns = 24;
-
 HWY_INLINE std::uint32_t bits_of(hn::MFromD<D> mask) {
     std::uint8_t lanes[8] = {};
     hn::StoreMaskBits(d, mask, lanes);
@@ -169,8 +142,7 @@ HWY_INLINE std::uint32_t bits_of(hn::MFromD<D> mask) {
 
 /// Fills the batch like compute_bounds, but where a square cannot raise any of its parent's columns.
 /// @return bit i: square i may; a necessary condition, cheaper than asking every column.
-std::uint32_t compute_promising(const HorizonTraceInput& in, int level, const Square& parent, const Survey& survey,
-                                const float* tangents, Batch& batch) {
+std::uint32_t compute_promising(const HorizonTraceInput& in, int level, const Survey& survey, Batch& batch) {
     const V lowest = hn::Set(d, survey.lowest);
     const V max_x = hn::Set(d, survey.max_x), max_z = hn::Set(d, survey.max_z);
     const V min_x = hn::Set(d, survey.min_x), min_z = hn::Set(d, survey.min_z);
@@ -179,42 +151,35 @@ std::uint32_t compute_promising(const HorizonTraceInput& in, int level, const Sq
         const Extent extent = extent_of(in, level, batch, i);
         const Rise r = rise_of(in, extent, hn::Load(d, batch.height + i));
         const Contender who = contender_of(r);
-        auto failed = hn::Or(who.nothing, fails(who, lowest, max_x, max_z, min_x, min_z));
+        const auto failed = hn::Or(who.nothing, fails(who, lowest, max_x, max_z, min_x, min_z));
         if (hn::AllTrue(d, failed)) continue;
         compute_columns(in.wedges, margin_scale(level), extent, batch.first + i, batch.count + i);
-        if (parent.count <= kFewColumns) {
-            failed =
-                hn::Or(failed, fails_everywhere(in.wedges, who, parent, batch.first + i, batch.count + i, tangents));
-            if (hn::AllTrue(d, failed)) continue;
-        }
         bits |= bits_of(hn::Not(failed)) << i;
         store_rise(r, batch, i);
     }
     return bits;
 }
 
-/// The name of a square of the finest level; of a coarser one, that of the tallest in it.
-HWY_INLINE std::uint32_t winner_id(const HorizonTraceInput& in, const Square& square) {
-    int x = square.x, z = square.z;
-    for (int level = square.level; level > in.finest_level; --level) {
-        const float* below = in.level_heights[level - 1];
-        const int row = 1 << (in.size_log2 - level + 1);
-        x *= 2;
-        z *= 2;
-        int tallest = 0;
-        for (int child = 1; child < 4; ++child)
-            if (below[(z + child / 2) * row + x + child % 2] > below[(z + tallest / 2) * row + x + tallest % 2])
-                tallest = child;
-        x += tallest % 2;
-        z += tallest / 2;
+/// Those of a batch's squares that raise any of their columns.
+HWY_INLINE std::uint32_t raising(const HorizonTraceInput& in, const Batch& batch, std::uint32_t candidates,
+                                 const float* tangents) {
+    std::uint32_t bits = 0;
+    for (; candidates != 0; candidates &= candidates - 1) {
+        const int i = std::countr_zero(candidates);
+        bits |= std::uint32_t(raises_any(in.wedges, batch.bound(i), tangents)) << i;
     }
-    return std::uint32_t(z << in.size_log2 | x);
+    return bits;
 }
 
-void raise_by(const HorizonTraceInput& in, const Square& square, float* tangents, std::uint32_t* winner) {
-    // Naming a coarse one costs cache misses: only where it wins.
-    if (square.level > in.finest_level && !raises_any_sign(in.wedges, square, tangents)) return;
-    raise_any_sign(in.wedges, square, winner_id(in, square), tangents, winner);
+/// The name of a square of the finest level; of a coarser one, that of its first.
+HWY_INLINE std::uint32_t winner_id(const HorizonTraceInput& in, const Square& square) {
+    const int shift = square.level - in.finest_level;
+    return std::uint32_t((square.z << shift) << in.size_log2 | square.x << shift);
+}
+
+HWY_INLINE void raise_by(const HorizonTraceInput& in, const Square& square, float* tangents, std::uint32_t* winner) {
+    raise(
+        in.wedges, square, [&] { return winner_id(in, square); }, tangents, winner);
 }
 
 /// Whether squares one level above the finest are still hardly wider than a column, from any part of this one: then
@@ -255,18 +220,30 @@ class Primer {
     int count_ = 0;
 };
 
-/// Replaces each guessed square of level `coarse` by the tallest one of level `fine` inside it.
-void descend_to_tallest(const HorizonTraceInput& in, int coarse, int fine, std::uint32_t* guess) {
-    const std::uint32_t mask = (1u << in.size_log2) - 1;
+/// Whether the squares around (x, z) of the finest level are taken two by two, as the walk decides it.
+HWY_INLINE bool is_taken_whole(const HorizonTraceInput& in, int x, int z) {
+    Square around{};
+    around.x = x >> 2;
+    around.z = z >> 2;
+    around.level = in.finest_level + 2;
+    return is_distant(in, around);
+}
+
+/// Replaces each guessed square of the finest level of `coarse` by the tallest one of level `fine` inside it.
+void descend_to_tallest(const HorizonTraceInput& coarse, int fine, std::uint32_t* guess) {
+    const std::uint32_t mask = (1u << coarse.size_log2) - 1;
     std::uint32_t last = kNoSquare, last_tallest = kNoSquare;
-    for (int c = 0; c < in.wedges.columns; ++c) {
+    for (int c = 0; c < coarse.wedges.columns; ++c) {
         if (guess[c] == kNoSquare) continue;
         if (guess[c] != last) {
             last = guess[c];
-            std::uint32_t x = last & mask, z = last >> in.size_log2;
-            for (int level = coarse; level > fine; --level) {
-                const float* below = in.level_heights[level - 1];
-                const std::uint32_t row = 1u << (in.size_log2 - level + 1);
+            std::uint32_t x = last & mask, z = last >> coarse.size_log2;
+            const int whole = is_taken_whole(coarse, int(x), int(z)) ? 1 : 0;
+            x >>= whole;
+            z >>= whole;
+            for (int level = coarse.finest_level + whole; level > fine; --level) {
+                const float* below = coarse.level_heights[level - 1];
+                const std::uint32_t row = 1u << (coarse.size_log2 - level + 1);
                 x *= 2;
                 z *= 2;
                 std::uint32_t tallest = 0;
@@ -276,7 +253,7 @@ void descend_to_tallest(const HorizonTraceInput& in, int coarse, int fine, std::
                 x += tallest % 2;
                 z += tallest / 2;
             }
-            last_tallest = z << in.size_log2 | x;
+            last_tallest = z << coarse.size_log2 | x;
         }
         guess[c] = last_tallest;
     }
@@ -297,11 +274,7 @@ bool prime(const HorizonTraceInput& in, const std::uint32_t* guess, float* tange
         last = square;
         if (tangents[c] == std::numeric_limits<float>::infinity()) continue;  // not wanted
         const int x = int(square & mask), z = int(square >> in.size_log2);
-        Square parent{};  // as the walk will judge it
-        parent.x = x >> 2;
-        parent.z = z >> 2;
-        parent.level = finest + 2;
-        if (is_distant(in, parent))
+        if (is_taken_whole(in, x, z))
             distant_squares.add(x >> 1, z >> 1);
         else
             near_squares.add(x, z);
@@ -358,7 +331,7 @@ std::uint32_t walk_grid(const HorizonTraceInput& in, float* tangents, std::uint3
         std::copy(tangents, tangents + in.wedges.columns + 16, coarse_tangents);
         std::fill(guess, guess + in.wedges.columns + 16, kNoSquare);
         squares += walk_grid(coarse, coarse_tangents, guess);
-        descend_to_tallest(in, coarse.finest_level, in.finest_level, guess);
+        descend_to_tallest(coarse, in.finest_level, guess);
         prime(in, guess, tangents, winner, squares);
     }
 
@@ -383,7 +356,7 @@ std::uint32_t walk_grid(const HorizonTraceInput& in, float* tangents, std::uint3
             raise_by(in, bound, tangents, winner);
             continue;
         }
-        if (!raises_any_sign(in.wedges, bound, tangents)) continue;
+        if (!raises_any(in.wedges, bound, tangents)) continue;
         const Survey survey = survey_columns(in.wedges, bound, tangents);
         int level = bound.level - 2;
         if ((bound.level - in.finest_level) % 2 == 0 && is_distant(in, bound)) {
@@ -393,10 +366,11 @@ std::uint32_t walk_grid(const HorizonTraceInput& in, float* tangents, std::uint3
             load_children(in, bound, level, batch);
             squares += 16;
         }
-        std::uint32_t bits = compute_promising(in, level, bound, survey, tangents, batch);
+        std::uint32_t bits = compute_promising(in, level, survey, batch);
         if (level <= in.finest_level + 1) {
             for (; bits != 0; bits &= bits - 1) raise_by(in, batch.at(std::countr_zero(bits), level), tangents, winner);
         } else {
+            bits = raising(in, batch, bits, tangents);
             // Nearest last, so that they are taken first and hide the others.
             const int half = 1 << (bound.level - 1);
             const int nearest = ((bound.x << bound.level) + half < in.eye_x ? 3 : 0) +
