@@ -1,4 +1,6 @@
-// The traversal of the height grid: one quadtree walk for all columns, sixteen children at a time.
+// The traversal of the height grid: one quadtree walk for all columns, sixteen children at a time. Steps go down two
+// levels; where the finest level is not needed, one step goes down a single level, so that the last ones still end on
+// sixteen squares.
 //
 // A square bounds what any of its descendants can add to a column: its height over its gap to the eye. The formulas of
 // both are the same float expressions, monotone in their inputs, so a square that raises no column has no descendant
