@@ -69,4 +69,11 @@ struct BenchOptions {
 };
 Status run_bench(const BenchOptions& options);
 
+struct AccuracyOptions {
+    ViewOptions view;
+    std::filesystem::path out = "accuracy";
+    bool quick = false;
+};
+Status run_accuracy(const AccuracyOptions& options);
+
 }  // namespace ff::tool

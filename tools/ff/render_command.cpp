@@ -4,8 +4,8 @@
 
 #include "engine/core/log.h"
 #include "tools/ff/debug_picture.h"
-#include "tools/ff/image_file.h"
 #include "tools/ff/session.h"
+#include "tools/picture/picture_file.h"
 
 namespace ff::tool {
 

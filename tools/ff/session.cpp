@@ -15,7 +15,6 @@
 #include "tools/cook/cook.h"
 
 namespace ff::tool {
-namespace {
 
 std::filesystem::path cache_directory() {
     if (const char* cache = std::getenv("XDG_CACHE_HOME"); cache != nullptr && *cache != '\0')
@@ -24,6 +23,8 @@ std::filesystem::path cache_directory() {
         return std::filesystem::path(home) / ".cache" / "farfield";
     return std::filesystem::temp_directory_path() / "farfield";
 }
+
+namespace {
 
 /// Where a source's pack lies in the cache: named after the source and its place.
 std::filesystem::path cached_pack_path(const std::filesystem::path& source) {
@@ -114,6 +115,7 @@ Result<std::unique_ptr<Session>> Session::open(const ViewOptions& options, std::
     session->gl_ = std::make_unique<HeadlessGl>(std::move(*context));
     FF_ASSIGN(const gl::DeviceInfo device, gl::query_device());
     session->gl_name_ = device.renderer;
+    session->gl_is_software_ = device.is_software;
     if (needs_gl || !device.is_software) {
         FF_TRY(session->gl_->load(session->world_->scene()));
         if (!options.use_occlusion) session->near_renderer()->set_occlusion({.enabled = false});

@@ -12,6 +12,9 @@
 
 namespace ff::tool {
 
+/// Where the tool keeps what it can make again.
+std::filesystem::path cache_directory();
+
 /// The pack itself, or for a source (scene.toml, .gltf, .glb) the pack that it is cooked into in the user's cache.
 Result<std::filesystem::path> pack_of(const std::string& pack_or_source);
 
@@ -42,6 +45,7 @@ class Session {
     [[nodiscard]] frame::Casters& casters() { return *casters_; }
     [[nodiscard]] nearfield::NearRenderer* near_renderer();
     [[nodiscard]] const std::string& gl_renderer_name() const { return gl_name_; }
+    [[nodiscard]] bool has_software_gl() const { return gl_is_software_; }
     /// A renderer with a history of its own.
     [[nodiscard]] std::unique_ptr<frame::Renderer> make_renderer(const ImageSize& size);
 
@@ -51,6 +55,7 @@ class Session {
     scene::Walk walk_;
     std::vector<scene::Instance> dynamic_;
     std::string gl_name_ = "none";
+    bool gl_is_software_ = false;
     std::unique_ptr<HeadlessGl> gl_;
     std::unique_ptr<frame::Casters> casters_;
 };

@@ -8,10 +8,11 @@
 #include "engine/core/log.h"
 #include "engine/core/write_file.h"
 #include "engine/platform/output.h"
-#include "tools/ff/image_file.h"
 #include "tools/ff/session.h"
 #include "tools/ff/stats_json.h"
+#include "tools/ff/video_writer.h"
 #include "tools/ff/walk_window.h"
+#include "tools/picture/picture_file.h"
 
 namespace ff::tool {
 namespace {

@@ -12,8 +12,8 @@
 #include "engine/nearfield/near_renderer.h"
 #include "engine/platform/window.h"
 #include "tools/ff/debug_picture.h"
-#include "tools/ff/image_file.h"
 #include "tools/ff/session.h"
+#include "tools/picture/picture_file.h"
 
 namespace ff::tool {
 namespace {
