@@ -1,6 +1,5 @@
-// The traversal of the height grid: one quadtree walk for all columns, sixteen children at a time. Steps go down two
-// levels; where the finest level is not needed, one step goes down a single level, so that the last ones still end on
-// sixteen squares.
+// The traversal of the height grid: one quadtree walk for all columns, sixteen children (two levels) at a time. Where
+// the finest level is not needed, one step goes down a single level, so that the last ones still end on sixteen.
 //
 // A square bounds what any of its descendants can add to a column: its height over its gap to the eye. The formulas of
 // both are the same float expressions, monotone in their inputs, so a square that raises no column has no descendant
@@ -180,8 +179,8 @@ HWY_INLINE std::uint32_t winner_id(const HorizonTraceInput& in, const Square& sq
 }
 
 HWY_INLINE void raise_by(const HorizonTraceInput& in, const Square& square, float* tangents, std::uint32_t* winner) {
-    raise(
-        in.wedges, square, [&] { return winner_id(in, square); }, tangents, winner);
+    const auto id = [&] { return winner_id(in, square); };
+    raise(in.wedges, square, id, tangents, winner);
 }
 
 /// Whether squares one level above the finest are still hardly wider than a column, from any part of this one: then
