@@ -13,6 +13,10 @@
 namespace ff::tool {
 
 Status run_accuracy(const AccuracyOptions& options) {
+    // Before the minutes of work whose result goes there.
+    std::error_code error;
+    std::filesystem::create_directories(options.out, error);
+    if (error) return failure(fmt::format("{}: cannot create: {}", options.out.string(), error.message()));
     const frame::Mode modes[] = {frame::Mode::hybrid, frame::Mode::raster};
     auto opened = Session::open(options.view, modes);
     const bool has_gl = opened.has_value();
