@@ -15,12 +15,31 @@ BeamView::BeamView(const PinholeView& pinhole)
       pixel_angle(pinhole.pixel_angle()) {}
 
 DMat3 BeamView::tile_from_world(int x, int y) const {
-    // u = (px + 0.5) u_step + u_first, px = X + x + 7.5; the view axis is -z.
+    // u = (px + 0.5) u_step + u_first, px = X + x + 15.5; the view axis is -z.
     const double scale_x = 1.0 / double(view.u_step), scale_y = 1.0 / double(view.v_step);
-    const double offset_x = -double(view.u_first) * scale_x - 0.5 * kTileSize - x;
-    const double offset_y = -double(view.v_first) * scale_y - 0.5 * kTileSize - y;
+    const double offset_x = -double(view.u_first) * scale_x - 0.5 * kBeamSize - x;
+    const double offset_y = -double(view.v_first) * scale_y - 0.5 * kBeamSize - y;
     const DMat3 tile_from_camera(DVec3(scale_x, 0, 0), DVec3(0, scale_y, 0), DVec3(-offset_x, -offset_y, -1));
     return tile_from_camera * camera_from_world;
+}
+
+std::span<const BeamRequest> BeamRequests::gather(const PinholeView& view, std::span<const TileRequest> tiles) {
+    const auto squares_across = [](int pixels) { return std::size_t(pixels + kBeamSize - 1) / std::size_t(kBeamSize); };
+    const std::size_t columns = squares_across(view.width);
+    of_square_.assign(columns * squares_across(view.height), 0);
+    requests_.clear();
+    for (const TileRequest& tile : tiles) {
+        if (tile.x >= view.width || tile.y >= view.height) continue;
+        std::uint32_t& of_square = of_square_[tile.y / kBeamSize * columns + tile.x / kBeamSize];
+        const std::size_t quarter = std::size_t(tile.y / kTileSize % 2 * 2 + tile.x / kTileSize % 2);
+        if (of_square == 0 || requests_[of_square - 1].quarters[quarter] != nullptr) {
+            const auto first_of = [](std::uint16_t pixel) { return std::uint16_t(pixel / kBeamSize * kBeamSize); };
+            requests_.push_back({first_of(tile.x), first_of(tile.y), {}});
+            of_square = std::uint32_t(requests_.size());
+        }
+        requests_[of_square - 1].quarters[quarter] = &tile;
+    }
+    return requests_;
 }
 
 }  // namespace beam
@@ -36,9 +55,10 @@ class BeamCaster final : public RayCaster {
                  view.height, out.width, out.height);
         const beam::BeamView beam_view(view);
         CastCostSum shared;
-        parallel_ranges(tiles.size(), 8, [&](std::size_t begin, std::size_t end) {
+        const std::span<const beam::BeamRequest> requests = requests_.gather(view, tiles);
+        parallel_ranges(requests.size(), 4, [&](std::size_t begin, std::size_t end) {
             CastCost cost;
-            for (std::size_t i = begin; i < end; ++i) beam::cast_tile(scene_, beam_view, tiles[i], out, cost);
+            for (std::size_t i = begin; i < end; ++i) beam::cast_tile(scene_, beam_view, requests[i], out, cost);
             shared.add(cost);
         });
         return shared.total();
@@ -63,6 +83,7 @@ class BeamCaster final : public RayCaster {
 
   private:
     scene::StaticScene scene_;
+    beam::BeamRequests requests_;
 };
 
 }  // namespace

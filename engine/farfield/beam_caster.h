@@ -1,7 +1,10 @@
 #pragma once
 // Parts of the tile-beam caster; its interface is make_beam_caster() of ray_caster.h.
 
+#include <array>
 #include <cstdint>
+#include <span>
+#include <vector>
 
 #include "engine/farfield/alpha_test.h"
 #include "engine/farfield/ray_caster.h"
@@ -10,12 +13,15 @@
 
 namespace ff::farfield::beam {
 
-/// A pinhole view as the tiles need it. Tile space: X, Y in pixels from the tile's middle, right and down, so that
-/// pixel centres stand at -7.5 .. 7.5; W along the view axis in metres; points as (X W, Y W, W).
+/// A beam serves a square of so many pixels a side, up to four requests: twice the side costs a walk little more.
+constexpr int kBeamSize = 2 * kTileSize;
+
+/// A pinhole view as the beams need it. Tile space: X, Y in pixels from the middle of a square of kBeamSize, right and
+/// down, so that pixel centres stand at -15.5 .. 15.5; W along the view axis in metres; points as (X W, Y W, W).
 struct BeamView {
     explicit BeamView(const PinholeView& pinhole);
 
-    /// Homogeneous tile space from world directions, for the tile whose first pixel is (x, y).
+    /// Homogeneous tile space from world directions, for the square whose first pixel is (x, y).
     [[nodiscard]] DMat3 tile_from_world(int x, int y) const;
 
     PinholeView view;
@@ -23,8 +29,26 @@ struct BeamView {
     float pixel_angle = 0.0f;
 };
 
-/// Resolves one tile and writes its pixels; adds its work to `cost`.
-void cast_tile(const scene::StaticScene& scene, const BeamView& view, const TileRequest& request, VisibilityBuffer& out,
+/// The requests that share a beam: quarters of a square whose first pixel has multiples of kBeamSize, null where nobody
+/// asks; top left, top right, bottom left, bottom right. A pixel's tile space is the same whoever else is asked for.
+struct BeamRequest {
+    std::uint16_t x = 0, y = 0;
+    std::array<const TileRequest*, 4> quarters{};
+};
+
+/// Puts requests together; keeps its memory from call to call.
+class BeamRequests {
+  public:
+    /// Requests beyond the view are left out. The result names `tiles` and holds until the next call.
+    [[nodiscard]] std::span<const BeamRequest> gather(const PinholeView& view, std::span<const TileRequest> tiles);
+
+  private:
+    std::vector<BeamRequest> requests_;
+    std::vector<std::uint32_t> of_square_;  // index + 1 into requests_, row by row; 0: none
+};
+
+/// Resolves the pixels of one beam and writes them; adds its work to `cost`.
+void cast_tile(const scene::StaticScene& scene, const BeamView& view, const BeamRequest& request, VisibilityBuffer& out,
                CastCost& cost);
 
 /// First hit of one ray; adds its work to `cost`.

@@ -1,4 +1,4 @@
-// One tile of 16 x 16 pixels at once: its beam walks the instances' hierarchy and each mesh's, front to back, against
+// A square of 32 x 32 pixels at once: its beam walks the instances' hierarchy and each mesh's, front to back, against
 // its planes and the farthest depth that it still has; leaves are set up and culled a register of triangles at a time,
 // survivors go through edge functions over the rows that they cover.
 
@@ -44,17 +44,17 @@ HWY_NOINLINE void draw_leaf(const scene::StaticScene& scene, const BvhLeaf& leaf
             draw<false>(s, i, instance, triangle, tile, nullptr);
         }
     }
-    if (tile.changed) find_farthest(tile);
+    if (tile.first_changed <= tile.last_changed) find_farthest(tile);
 }
 
 }  // namespace
 
-void CastTile(const scene::StaticScene& scene, const BeamView& view, const TileRequest& request, VisibilityBuffer& out,
+void CastTile(const scene::StaticScene& scene, const BeamView& view, const BeamRequest& request, VisibilityBuffer& out,
               CastCost& cost) {
     Tile tile;
-    std::uint16_t rows[kTileSize];
+    std::uint32_t rows[kBeamSize];
     if (!begin_tile(view.view, request, rows, tile)) return;
-    for (const std::uint16_t row : rows) cost.rays += std::uint64_t(std::popcount(row));
+    for (const std::uint32_t row : rows) cost.rays += std::uint64_t(std::popcount(row));
 
     const DMat3 tile_from_world = view.tile_from_world(request.x, request.y);
     const auto linears = [&](Linear(&xyw)[3], const DMat3& world_from_space, const WorldPos& origin) {
@@ -101,7 +101,7 @@ HWY_AFTER_NAMESPACE();
 namespace ff::farfield::beam {
 HWY_EXPORT(CastTile);
 
-void cast_tile(const scene::StaticScene& scene, const BeamView& view, const TileRequest& request, VisibilityBuffer& out,
+void cast_tile(const scene::StaticScene& scene, const BeamView& view, const BeamRequest& request, VisibilityBuffer& out,
                CastCost& cost) {
     HWY_DYNAMIC_DISPATCH(CastTile)(scene, view, request, out, cost);
 }

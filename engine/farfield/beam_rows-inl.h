@@ -119,24 +119,24 @@ HWY_INLINE void draw(const LeafScratch& s, int i, std::uint32_t instance, std::u
     const VF gx = hn::Set(f, s.gx[i]), gy = hn::Set(f, s.gy[i]), g0 = hn::Set(f, s.g0[i]);
     const VF low = hn::Set(f, s.low[i]), high = hn::Set(f, s.high[i]);
     const auto own_instance = hn::Set(ui, instance), own_triangle = hn::Set(ui, triangle);
-    const int first_chunk = s.x0[i] / kLanes * kLanes, last_chunk = s.x1[i];
+    const int x0 = s.x0[i], x1 = s.x1[i];
+    bool has_won = false;
     for (int row = s.y0[i]; row <= s.y1[i]; ++row) {
         const VF y = hn::Set(f, float(row) - kHalf);
         const VF r0 = hn::MulAdd(b0, y, c0), r1 = hn::MulAdd(b1, y, c1), r2 = hn::MulAdd(b2, y, c2);
         const VF rg = hn::MulAdd(gy, y, g0);
-        for (int chunk = first_chunk; chunk <= last_chunk; chunk += kLanes) {
+        for (int chunk = x0; chunk <= x1; chunk += kLanes) {
             const VF x = hn::Iota(f, float(chunk) - kHalf);
             const VF e[3] = {hn::MulAdd(a0, x, r0), hn::MulAdd(a1, x, r1), hn::MulAdd(a2, x, r2)};
             // Not-a-number (a sliver's plane) becomes `low`: x86's max returns its second operand then.
             const VF inverse_depth = hn::Min(hn::Max(hn::MulAdd(gx, x, rg), low), high);
-            float* best_at = tile.best + row * 16 + chunk;
-            const VF best = hn::Load(f, best_at);
+            const int at = row * kRowStride + chunk;
+            const VF best = hn::LoadU(f, tile.best + at);
             const MF inside = hn::Ge(min3(e[0], e[1], e[2]), hn::Zero(f));
             MF win = hn::And(inside, hn::Ge(inverse_depth, best));
             if (hn::AllFalse(f, win)) continue;
-            std::uint32_t* instance_at = tile.instance + row * 16 + chunk;
-            std::uint32_t* triangle_at = tile.triangle + row * 16 + chunk;
-            const auto old_instance = hn::Load(ui, instance_at), old_triangle = hn::Load(ui, triangle_at);
+            const auto old_instance = hn::LoadU(ui, tile.instance + at),
+                       old_triangle = hn::LoadU(ui, tile.triangle + at);
             const MF tie = hn::And(win, hn::Eq(inverse_depth, best));
             if (HWY_UNLIKELY(!hn::AllFalse(f, tie))) {
                 const auto smaller =
@@ -148,12 +148,16 @@ HWY_INLINE void draw(const LeafScratch& s, int i, std::uint32_t instance, std::u
                 win = opaque_lanes(win, *alpha, s, i, e, inverse_depth);
                 if (hn::AllFalse(f, win)) continue;
             }
-            hn::Store(hn::IfThenElse(win, inverse_depth, best), f, best_at);
+            hn::StoreU(hn::IfThenElse(win, inverse_depth, best), f, tile.best + at);
             const auto win_u = hn::RebindMask(ui, win);
-            hn::Store(hn::IfThenElse(win_u, own_instance, old_instance), ui, instance_at);
-            hn::Store(hn::IfThenElse(win_u, own_triangle, old_triangle), ui, triangle_at);
-            tile.changed = true;
+            hn::StoreU(hn::IfThenElse(win_u, own_instance, old_instance), ui, tile.instance + at);
+            hn::StoreU(hn::IfThenElse(win_u, own_triangle, old_triangle), ui, tile.triangle + at);
+            has_won = true;
         }
+    }
+    if (has_won) {
+        tile.first_changed = std::min(tile.first_changed, s.y0[i]);
+        tile.last_changed = std::max(tile.last_changed, s.y1[i]);
     }
 }
 

@@ -105,8 +105,8 @@ struct Edge {
 HWY_INLINE Edge projected_edge(const Corner& p, const Corner& q) {
     const VF u = hn::Mul(p.x, q.y), v = hn::Mul(p.y, q.x);
     Edge e{hn::Sub(p.y, q.y), hn::Sub(q.x, p.x), hn::Sub(u, v), hn::Zero(f)};
-    const VF terms =
-        hn::Add(hn::Add(hn::Abs(u), hn::Abs(v)), hn::Mul(hn::Add(hn::Abs(e.a), hn::Abs(e.b)), hn::Set(f, 8.0f)));
+    const VF terms = hn::Add(hn::Add(hn::Abs(u), hn::Abs(v)),
+                             hn::Mul(hn::Add(hn::Abs(e.a), hn::Abs(e.b)), hn::Set(f, float(kBeamSize / 2))));
     e.error = hn::Mul(terms, hn::Set(f, kEdgeError));
     return e;
 }
@@ -117,7 +117,7 @@ HWY_INLINE Edge homogeneous_edge(const Corner& p, const Corner& q) {
     const VF c0 = hn::Mul(p.hx, q.hy), c1 = hn::Mul(p.hy, q.hx);
     Edge e{hn::Sub(a0, a1), hn::Sub(b0, b1), hn::Sub(c0, c1), hn::Zero(f)};
     const VF ab = hn::Add(hn::Add(hn::Abs(a0), hn::Abs(a1)), hn::Add(hn::Abs(b0), hn::Abs(b1)));
-    const VF terms = hn::MulAdd(ab, hn::Set(f, 8.0f), hn::Add(hn::Abs(c0), hn::Abs(c1)));
+    const VF terms = hn::MulAdd(ab, hn::Set(f, float(kBeamSize / 2)), hn::Add(hn::Abs(c0), hn::Abs(c1)));
     e.error = hn::Mul(terms, hn::Set(f, kEdgeError));
     return e;
 }
@@ -134,16 +134,12 @@ HWY_INLINE VF max3(VF a, VF b, VF c) {
     return hn::Max(a, hn::Max(b, c));
 }
 
-// The farthest 1/depth that the tile still has in the quarters that bounds in pixels touch.
+// The farthest 1/depth that the tile still has in the cells that bounds in pixels touch; anything for empty bounds.
 HWY_INLINE VF farthest_under(VF x0, VF x1, VF y0, VF y1, const Tile& tile) {
-    const VF middle = hn::Set(f, 8.0f), none = hn::Set(f, kInf);
-    const MF left = hn::Lt(x0, middle), right = hn::Ge(x1, middle);
-    const auto of_row = [&](int quarter) {
-        return hn::Min(hn::IfThenElse(left, hn::Set(f, tile.quarter_best[quarter]), none),
-                       hn::IfThenElse(right, hn::Set(f, tile.quarter_best[quarter + 1]), none));
-    };
-    return hn::Min(hn::IfThenElse(hn::Lt(y0, middle), of_row(0), none),
-                   hn::IfThenElse(hn::Ge(y1, middle), of_row(2), none));
+    const auto cell = [](VF pixel) { return hn::ShiftRight<3>(hn::ConvertTo(si, pixel)); };
+    const VI columns = range_of_cells(cell(x0), cell(x1)), rows = range_of_cells(cell(y0), cell(y1));
+    const VI range = hn::Or(columns, hn::ShiftLeft<4>(rows));
+    return hn::GatherIndex(f, tile.least, hn::And(range, hn::Set(si, 255)));
 }
 
 // Sets up kLanes triangles from `first` on; returns those that may win a pixel, as bits.
@@ -194,7 +190,7 @@ HWY_NOINLINE std::uint32_t set_up(const BvhLeaf& leaf, int first, const Tile& ti
             any_front = hn::Or(any_front, hn::Gt(p[k].hw, hn::Zero(f)));
             low = hn::IfThenElse(p[k].front, hn::Min(low, p[k].iw), low);
         }
-        const VF everywhere = hn::Set(f, 15.0f);
+        const VF everywhere = hn::Set(f, float(kBeamSize - 1));
         x0 = hn::IfThenElse(all_front, x0, hn::Zero(f));
         y0 = hn::IfThenElse(all_front, y0, hn::Zero(f));
         x1 = hn::IfThenElse(all_front, x1, everywhere);
@@ -228,10 +224,16 @@ HWY_NOINLINE std::uint32_t set_up(const BvhLeaf& leaf, int first, const Tile& ti
         }
     }
     if constexpr (!kProjected) {
-        const VF det =
-            hn::MulAdd(p[0].hx, hn::Sub(hn::Mul(p[1].hy, p[2].hw), hn::Mul(p[1].hw, p[2].hy)),
-                       hn::MulAdd(p[0].hy, hn::Sub(hn::Mul(p[1].hw, p[2].hx), hn::Mul(p[1].hx, p[2].hw)),
-                                  hn::Mul(p[0].hw, hn::Sub(hn::Mul(p[1].hx, p[2].hy), hn::Mul(p[1].hy, p[2].hx)))));
+        // Twice the area in homogeneous coordinates. Where rounding may have made all of it, the triangle is seen
+        // edge-on or is a sliver: everything on its line, behind the eye, too, would pass for inside.
+        VF det = hn::Zero(f), terms = hn::Zero(f);
+        for (int k = 0; k < 3; ++k) {
+            const Corner &q = p[(k + 1) % 3], &r = p[(k + 2) % 3];
+            const VF u = hn::Mul(q.hy, r.hw), v = hn::Mul(q.hw, r.hy);
+            det = hn::MulAdd(p[k].hx, hn::Sub(u, v), det);
+            terms = hn::MulAdd(hn::Abs(p[k].hx), hn::Add(hn::Abs(u), hn::Abs(v)), terms);
+        }
+        det = hn::IfThenElseZero(hn::Gt(hn::Abs(det), hn::Mul(terms, hn::Set(f, kEdgeError))), det);
         area = hn::IfThenElse(all_usable, area, det);
     }
     alive = hn::And(alive, hn::Ne(area, hn::Zero(f)));

@@ -1,4 +1,4 @@
-// A tile of 16 x 16 pixels in work: what each pixel has found so far, and tile space as linear functions of a mesh's
+// A tile of 32 x 32 pixels in work: what each pixel has found so far, and tile space as linear functions of a mesh's
 // own. Compiled once per SIMD target; include after <hwy/highway.h>.
 #if defined(FF_BEAM_TILE_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef FF_BEAM_TILE_INL_H_
@@ -39,7 +39,7 @@ constexpr U ui;
 constexpr int kLanes = int(hn::MaxLanes(f));
 
 constexpr float kInf = std::numeric_limits<float>::infinity();
-constexpr float kHalf = 7.5f;           // the outermost pixel centres
+constexpr float kHalf = 15.5f;          // the outermost pixel centres
 constexpr float kPlaneMargin = 0.01f;   // pixels by which the beam is wider
 constexpr float kBoundsMargin = 1e-3f;  // pixels by which a triangle's bounds are wider
 constexpr float kMinW = 1e-4f;          // metres; nearer vertices count as crossing the eye plane
@@ -54,14 +54,20 @@ struct Linear {
     float x, y, z, c;
 };
 
+// The tile's pixels, rows with room for a register that begins at the last; and the nearest that anything must be to
+// show in any rectangle of its cells of 8 x 8.
+constexpr int kRowStride = kBeamSize + std::max(kLanes, 8);
+constexpr int kCells = kBeamSize / 8;
+static_assert(kCells == 4);
+
 struct Tile {
-    alignas(64) float best[256];  // 1/depth; 0: sky; +inf where nobody asked
-    alignas(64) std::uint32_t instance[256];
-    alignas(64) std::uint32_t triangle[256];
-    float quarter_best[4] = {};  // of the farthest pixel of each 8 x 8: top left, top right, bottom left, bottom right
-    float far[16];               // depth of the farthest pixel in any set of quarters, rounded up
-    float first_column = 0, last_column = 15, first_row = 0, last_row = 15;  // bounds of the pixels asked for
-    bool changed = false;
+    alignas(64) float best[kBeamSize * kRowStride];  // 1/depth; 0: sky; +inf where nobody asked
+    alignas(64) std::uint32_t instance[kBeamSize * kRowStride];
+    alignas(64) std::uint32_t triangle[kBeamSize * kRowStride];
+    alignas(64) float cell_best[kCells][kCells];       // 1/depth of the farthest pixel, row by row
+    alignas(64) float least[256] = {};                 // the same of rectangles, by range_of_cells: columns, rows << 4
+    int first_changed = kBeamSize, last_changed = -1;  // pixel rows
+    float first_column = 0, last_column = 0, first_row = 0, last_row = 0;  // bounds of the pixels asked for
 };
 
 HWY_INLINE std::uint32_t bits_of(MF mask) {
@@ -76,42 +82,75 @@ HWY_INLINE Linear linear_of(const DMat3& tile_from_world, int row, const DMat3& 
             float(glm::dot(r, world_from_mesh[2])), float(glm::dot(r, offset))};
 }
 
-HWY_INLINE void find_farthest(Tile& tile) {
-    tile.far[0] = 0.0f;
-    for (std::uint32_t quarter = 0; quarter < 4; ++quarter) {
-        const float* first = tile.best + (quarter / 2) * 128 + (quarter % 2) * 8;
-        const hn::CappedTag<float, 8> eight;
-        auto least = hn::Load(eight, first);
-        for (int row = 0; row < 8; ++row) {
-            for (int x = 0; x < 8; x += int(hn::MaxLanes(eight)))
-                least = hn::Min(least, hn::Load(eight, first + row * 16 + x));
+// Cells first..last of a row or column, as four bits.
+HWY_INLINE VI range_of_cells(VI first, VI last) {
+    return hn::Or(first, hn::ShiftLeft<2>(hn::Sub(last, first)));
+}
+
+// The least of every rectangle of cells from the cells' own.
+HWY_INLINE void combine_cells(Tile& tile) {
+    const hn::CappedTag<float, kCells> d;
+    static_assert(hn::MaxLanes(d) == std::size_t(kCells));
+    for (int first = 0; first < kCells; ++first) {
+        auto rows = hn::Load(d, tile.cell_best[first]);
+        for (int more = 0; first + more < kCells; ++more) {
+            rows = hn::Min(rows, hn::Load(d, tile.cell_best[first + more]));
+            float* to = tile.least + (more << 6 | first << 4);
+            const auto two = hn::Min(rows, hn::ShiftRightLanes<1>(d, rows));
+            hn::Store(rows, d, to);
+            hn::Store(two, d, to + 4);
+            hn::Store(hn::Min(two, hn::ShiftRightLanes<2>(d, rows)), d, to + 8);
+            hn::Store(hn::Min(two, hn::ShiftRightLanes<2>(d, two)), d, to + 12);
         }
-        tile.quarter_best[quarter] = hn::GetLane(hn::MinOfLanes(eight, least));
-        const float far = kFarther / tile.quarter_best[quarter];
-        for (std::uint32_t set = 0; set < (1u << quarter); ++set)
-            tile.far[set | (1u << quarter)] = std::max(tile.far[set], far);
     }
-    tile.changed = false;
+}
+
+// Brings the cells of the changed rows up to date.
+HWY_INLINE void find_farthest(Tile& tile) {
+    const hn::CappedTag<float, 8> eight;
+    for (int cell_row = tile.first_changed / 8; cell_row <= tile.last_changed / 8; ++cell_row) {
+        for (int cell = 0; cell < kCells; ++cell) {
+            const float* first = tile.best + cell_row * 8 * kRowStride + cell * 8;
+            auto least = hn::LoadU(eight, first);
+            for (int row = 0; row < 8; ++row) {
+                for (int x = 0; x < 8; x += int(hn::MaxLanes(eight)))
+                    least = hn::Min(least, hn::LoadU(eight, first + row * kRowStride + x));
+            }
+            tile.cell_best[cell_row][cell] = hn::GetLane(hn::MinOfLanes(eight, least));
+        }
+    }
+    combine_cells(tile);
+    tile.first_changed = kBeamSize;
+    tile.last_changed = -1;
+}
+
+// Bits of a row's pixels from `chunk` on, as a mask.
+HWY_INLINE MF pixels_of(std::uint32_t row, int chunk) {
+    const std::uint32_t bits = chunk < kBeamSize ? row >> chunk : 0;
+    const std::uint8_t bytes[8] = {std::uint8_t(bits), std::uint8_t(bits >> 8)};
+    return hn::LoadMaskBits(f, bytes);
 }
 
 // Pixels asked for, within the image; false when there are none.
-HWY_INLINE bool begin_tile(const PinholeView& view, const TileRequest& request, std::uint16_t (&rows)[kTileSize],
+HWY_INLINE bool begin_tile(const PinholeView& view, const BeamRequest& request, std::uint32_t (&rows)[kBeamSize],
                            Tile& tile) {
-    const int columns = std::min(kTileSize, view.width - int(request.x));
+    const int columns = std::min(kBeamSize, view.width - int(request.x));
+    const std::uint32_t in_image = columns < 32 ? (1u << columns) - 1u : ~0u;
     std::uint32_t any_column = 0, any_row = 0;
-    for (int row = 0; row < kTileSize; ++row) {
-        const bool in_image = columns > 0 && int(request.y) + row < view.height;
-        rows[row] = in_image ? std::uint16_t(request.rows[row] & ((1u << columns) - 1u)) : std::uint16_t(0);
+    for (int row = 0; row < kBeamSize; ++row) {
+        const std::size_t left = std::size_t(row / kTileSize * 2);
+        const auto asked = [&](std::size_t quarter) {
+            const TileRequest* tile_request = request.quarters[quarter];
+            return tile_request != nullptr ? std::uint32_t(tile_request->rows[row % kTileSize]) : 0u;
+        };
+        rows[row] = int(request.y) + row < view.height ? (asked(left) | asked(left + 1) << kTileSize) & in_image : 0u;
         any_column |= rows[row];
         if (rows[row] != 0) any_row |= 1u << row;
-        for (int chunk = 0; chunk < kTileSize; chunk += kLanes) {
-            const std::uint32_t bits = std::uint32_t(rows[row]) >> chunk;
-            const std::uint8_t bytes[8] = {std::uint8_t(bits), std::uint8_t(bits >> 8)};
-            const MF asked = hn::LoadMaskBits(f, bytes);
-            const int at = row * 16 + chunk;
-            hn::Store(hn::IfThenElse(asked, hn::Zero(f), hn::Set(f, kInf)), f, tile.best + at);
-            hn::Store(hn::Set(ui, kSkyInstance), ui, tile.instance + at);
-            hn::Store(hn::Zero(ui), ui, tile.triangle + at);
+        for (int chunk = 0; chunk < kRowStride; chunk += kLanes) {
+            const int at = row * kRowStride + chunk;
+            hn::StoreU(hn::IfThenElse(pixels_of(rows[row], chunk), hn::Zero(f), hn::Set(f, kInf)), f, tile.best + at);
+            hn::StoreU(hn::Set(ui, kSkyInstance), ui, tile.instance + at);
+            hn::StoreU(hn::Zero(ui), ui, tile.triangle + at);
         }
     }
     if (any_column == 0) return false;
@@ -119,28 +158,29 @@ HWY_INLINE bool begin_tile(const PinholeView& view, const TileRequest& request, 
     tile.last_column = float(31 - std::countl_zero(any_column));
     tile.first_row = float(std::countr_zero(any_row));
     tile.last_row = float(31 - std::countl_zero(any_row));
+    tile.first_changed = 0;
+    tile.last_changed = kBeamSize - 1;
     find_farthest(tile);
     return true;
 }
 
-HWY_INLINE void write_tile(const Tile& tile, const TileRequest& request, const std::uint16_t (&rows)[kTileSize],
+HWY_INLINE void write_tile(const Tile& tile, const BeamRequest& request, const std::uint32_t (&rows)[kBeamSize],
                            VisibilityBuffer& out) {
-    for (int row = 0; row < kTileSize; ++row) {
-        if (rows[row] == 0) continue;
-        for (int chunk = 0; chunk < kTileSize; chunk += kLanes) {
-            const std::uint32_t bits = std::uint32_t(rows[row]) >> chunk;
-            const int at = row * 16 + chunk;
+    constexpr std::uint32_t kAll = (1u << kLanes) - 1u;
+    for (int row = 0; row < kBeamSize; ++row) {
+        for (int chunk = 0; chunk < kBeamSize; chunk += kLanes) {
+            const std::uint32_t bits = rows[row] >> chunk & kAll;
+            if (bits == 0) continue;
+            const int at = row * kRowStride + chunk;
             const std::size_t to = out.index(request.x + chunk, request.y + row);
-            const VF depth = hn::Div(hn::Set(f, 1.0f), hn::Load(f, tile.best + at));
-            const auto instance = hn::Load(ui, tile.instance + at), triangle = hn::Load(ui, tile.triangle + at);
-            constexpr std::uint32_t kAll = (1u << kLanes) - 1u;
-            if ((bits & kAll) == kAll) {
+            const VF depth = hn::Div(hn::Set(f, 1.0f), hn::LoadU(f, tile.best + at));
+            const auto instance = hn::LoadU(ui, tile.instance + at), triangle = hn::LoadU(ui, tile.triangle + at);
+            if (bits == kAll) {
                 hn::StoreU(depth, f, out.depth.data() + to);
                 hn::StoreU(instance, ui, out.instance.data() + to);
                 hn::StoreU(triangle, ui, out.triangle.data() + to);
             } else {  // masked stores are slow on some machines, but leave what others may be writing
-                const std::uint8_t bytes[8] = {std::uint8_t(bits), std::uint8_t(bits >> 8)};
-                const MF asked = hn::LoadMaskBits(f, bytes);
+                const MF asked = pixels_of(rows[row], chunk);
                 const auto asked_u = hn::RebindMask(ui, asked);
                 hn::BlendedStore(depth, asked, f, out.depth.data() + to);
                 hn::BlendedStore(instance, asked_u, ui, out.instance.data() + to);

@@ -22,17 +22,17 @@ namespace {
 
 constexpr int kStackEntries = 2048;  // 15 per level of a tree; the builder keeps trees below 132 levels
 
-// Pixels of the tile: columns x0..x1 and rows y0..y1, four bits each from the lowest on; then the quarters of the tile
-// that they touch, four bits; then whether they are few.
+// Pixels of the tile: columns x0..x1 and rows y0..y1, five bits each from the lowest on; then the rectangle of cells
+// that they touch, eight bits; then whether they are few.
 struct PixelRect {
     static constexpr int kFew = 4;  // columns and rows at most
-    static constexpr std::uint32_t kWholeTile = 0x0FF0F0u, kIsFew = 1u << 20;
+    static constexpr std::uint32_t kWholeTile = 0xCCu << 20 | 31u << 15 | 31u << 5, kIsFew = 1u << 28;
     std::uint32_t packed;
-    [[nodiscard]] std::uint32_t x0() const { return packed & 15u; }
-    [[nodiscard]] std::uint32_t x1() const { return packed >> 4 & 15u; }
-    [[nodiscard]] std::uint32_t y0() const { return packed >> 8 & 15u; }
-    [[nodiscard]] std::uint32_t y1() const { return packed >> 12 & 15u; }
-    [[nodiscard]] std::uint32_t quarters() const { return packed >> 16 & 15u; }
+    [[nodiscard]] std::uint32_t x0() const { return packed & 31u; }
+    [[nodiscard]] std::uint32_t x1() const { return packed >> 5 & 31u; }
+    [[nodiscard]] std::uint32_t y0() const { return packed >> 10 & 31u; }
+    [[nodiscard]] std::uint32_t y1() const { return packed >> 15 & 31u; }
+    [[nodiscard]] std::uint32_t cells() const { return packed >> 20 & 255u; }
     [[nodiscard]] bool is_few() const { return (packed & kIsFew) != 0; }
 };
 
@@ -124,7 +124,7 @@ HWY_INLINE void covered_centres(VF low, VF high, VF per_near, VF per_far, VI& fi
     const VF from = hn::Mul(low, hn::IfThenElse(hn::Lt(low, zero), per_near, per_far));
     const VF to = hn::Mul(high, hn::IfThenElse(hn::Lt(high, zero), per_far, per_near));
     // Beyond the tile all numbers are the same; conversion wants them small.
-    const VF least = hn::Set(f, -1.0f), most = hn::Set(f, 17.0f);
+    const VF least = hn::Set(f, -1.0f), most = hn::Set(f, float(kBeamSize + 1));
     const VF begin = hn::Clamp(hn::Add(from, hn::Sub(centre, hn::Set(f, kPlaneMargin))), least, most);
     const VF end = hn::Clamp(hn::Add(to, hn::Add(centre, hn::Set(f, kPlaneMargin))), least, most);
     first = hn::Max(first, hn::ConvertTo(si, hn::Ceil(begin)));
@@ -133,24 +133,25 @@ HWY_INLINE void covered_centres(VF low, VF high, VF per_near, VF per_far, VI& fi
 
 // PixelRects.
 HWY_INLINE VI pack(VI x0, VI x1, VI y0, VI y1) {
-    const VI half = hn::Set(si, 8), few = hn::Set(si, PixelRect::kFew);
-    const VI columns = hn::Or(hn::IfThenElseZero(hn::Lt(x0, half), hn::Set(si, 0b0101 << 16)),
-                              hn::IfThenElseZero(hn::Gt(x1, hn::Set(si, 7)), hn::Set(si, 0b1010 << 16)));
-    const VI rows = hn::Or(hn::IfThenElseZero(hn::Lt(y0, half), hn::Set(si, 0b0011 << 16)),
-                           hn::IfThenElseZero(hn::Gt(y1, hn::Set(si, 7)), hn::Set(si, 0b1100 << 16)));
+    const VI few = hn::Set(si, PixelRect::kFew);
+    const auto cell = [](VI pixel) { return hn::ShiftRight<3>(pixel); };
+    const VI columns = range_of_cells(cell(x0), cell(x1)), rows = range_of_cells(cell(y0), cell(y1));
+    const VI cells = hn::Or(columns, hn::ShiftLeft<4>(rows));
     const auto are_few = hn::And(hn::Lt(hn::Sub(x1, x0), few), hn::Lt(hn::Sub(y1, y0), few));
-    return hn::Or(hn::Or(hn::Or(x0, hn::ShiftLeft<4>(x1)), hn::Or(hn::ShiftLeft<8>(y0), hn::ShiftLeft<12>(y1))),
-                  hn::Or(hn::And(columns, rows), hn::IfThenElseZero(are_few, hn::Set(si, int(PixelRect::kIsFew)))));
+    return hn::Or(hn::Or(hn::Or(x0, hn::ShiftLeft<5>(x1)), hn::Or(hn::ShiftLeft<10>(y0), hn::ShiftLeft<15>(y1))),
+                  hn::Or(hn::ShiftLeft<20>(cells), hn::IfThenElseZero(are_few, hn::Set(si, int(PixelRect::kIsFew)))));
 }
 
-HWY_INLINE void children_in_beam(const BvhNode& node, const Beam& beam, const TileBounds& bounds, float far, Met& met) {
+HWY_INLINE void children_in_beam(const BvhNode& node, const Beam& beam, const TileBounds& bounds, float least,
+                                 Met& met) {
     for (int i = 0; i < 16; i += kLanes) {
         const float* lanes = node.low_x + i;
         // An empty lane gives -inf or, where a normal has a zero, not-a-number; neither is >= 0.
         const VF inside = hn::Min(hn::Min(corner_value(beam, 0, lanes), corner_value(beam, 1, lanes)),
                                   hn::Min(corner_value(beam, 2, lanes), corner_value(beam, 3, lanes)));
         const VF near = corner_value(beam, Beam::kNear, lanes), zero = hn::Zero(f);
-        const MF met_beam = hn::And(hn::Ge(inside, zero), hn::Lt(near, hn::Set(f, far)));
+        const MF nearer = hn::Lt(hn::Mul(near, hn::Set(f, least)), hn::Set(f, kFarther));
+        const MF met_beam = hn::And(hn::Ge(inside, zero), nearer);
         if (hn::AllFalse(f, met_beam)) continue;
         // Most boxes far away are smaller than a pixel, and most of those lie between the pixels' centres.
         const MF before_eye = hn::Gt(near, hn::Set(f, kMinW));
@@ -178,19 +179,19 @@ HWY_INLINE bool may_be_seen_in_few(const Tile& tile, float near, PixelRect rect)
     const hn::CappedTag<float, PixelRect::kFew> d;
     const hn::RebindToSigned<decltype(d)> di;
     static_assert(hn::MaxLanes(d) == std::size_t(PixelRect::kFew));
-    const std::uint32_t left = std::min(rect.x0(), std::uint32_t(kTileSize - PixelRect::kFew));
+    const std::uint32_t left = std::min(rect.x0(), std::uint32_t(kBeamSize - PixelRect::kFew));
     auto least = hn::Set(d, kInf);
     for (std::uint32_t y = rect.y0(); y <= rect.y1(); ++y)
-        least = hn::Min(least, hn::LoadU(d, tile.best + y * kTileSize + left));
+        least = hn::Min(least, hn::LoadU(d, tile.best + y * std::uint32_t(kRowStride) + left));
     const auto lane = hn::Iota(di, int(left));
     const auto outside = hn::Or(hn::Lt(lane, hn::Set(di, int(rect.x0()))), hn::Gt(lane, hn::Set(di, int(rect.x1()))));
     least = hn::IfThenElse(hn::RebindMask(d, outside), hn::Set(d, kInf), least);
     return !(near * hn::GetLane(hn::MinOfLanes(d, least)) >= kFarther);
 }
 
-// The same for any pixels, by the farthest of the quarters that they touch.
+// The same for any pixels, by the farthest of the cells that they touch.
 HWY_INLINE bool may_be_seen(const Tile& tile, float near, PixelRect rect) {
-    return near < tile.far[rect.quarters()];
+    return near * tile.least[rect.cells()] < kFarther;
 }
 
 HWY_INLINE void prefetch(const void* address) {
@@ -198,7 +199,7 @@ HWY_INLINE void prefetch(const void* address) {
     for (int line = 0; line < 7; ++line) __builtin_prefetch(at + 64 * line);
 }
 
-// Walks one hierarchy front to back; `on_leaf(leaf id)` may bring `tile.far` nearer.
+// Walks one hierarchy front to back; `on_leaf(leaf id)` may bring `tile.least` nearer.
 template <class Prefetch, class OnLeaf>
 HWY_INLINE void walk(const BvhNode* nodes, const Beam& beam, const Tile& tile, std::uint64_t& visited,
                      Prefetch&& prefetch_child, OnLeaf&& on_leaf) {
@@ -217,7 +218,7 @@ HWY_INLINE void walk(const BvhNode* nodes, const Beam& beam, const Tile& tile, s
         const BvhNode& node = nodes[entry.child];
         ++visited;
         Met met;
-        children_in_beam(node, beam, bounds, tile.far[15], met);
+        children_in_beam(node, beam, bounds, tile.least[PixelRect{PixelRect::kWholeTile}.cells()], met);
         if (top + scene::kBvhWidth > kStackEntries) continue;  // no tree of ours is that deep
         const int bottom = top;
         for (; met.all != 0; met.all &= met.all - 1) {

@@ -33,7 +33,9 @@ struct alignas(64) Block {
 class InstanceLinears {
   public:
     InstanceLinears(const scene::StaticScene& scene, const BeamView& view, const TileRequest& tile)
-        : scene_(scene), position_(view.view.position), tile_from_world_(view.tile_from_world(tile.x, tile.y)) {
+        : scene_(scene),
+          position_(view.view.position),
+          tile_from_world_(view.tile_from_world(tile.x - tile.x % kBeamSize, tile.y - tile.y % kBeamSize)) {
         for (std::uint32_t& id : ids_) id = kSkyInstance;
     }
 
@@ -110,6 +112,7 @@ HWY_INLINE BvhLeaf describe(std::size_t triangles) {
 struct Pixels {
     static constexpr int kMost = kTileSize * kTileSize;
     int count = 0;
+    int first_column, first_row;  // of the request, within the tile
     int first_of_row[kTileSize + 1];
     alignas(64) float x[kMost], y[kMost];  // tile space
     alignas(64) float best[kMost];         // 1/depth; 0: nothing; +inf beyond the last
@@ -119,6 +122,8 @@ struct Pixels {
 
 // Pixels asked for, within the image, and their bounds in `tile`; false when there are none.
 HWY_INLINE bool begin_pixels(const PinholeView& view, const TileRequest& request, Pixels& pixels, Tile& tile) {
+    pixels.first_column = request.x % kBeamSize;
+    pixels.first_row = request.y % kBeamSize;
     const int columns = std::min(kTileSize, view.width - int(request.x));
     const int rows = std::min(kTileSize, view.height - int(request.y));
     std::uint32_t any_column = 0, any_row = 0;
@@ -129,16 +134,16 @@ HWY_INLINE bool begin_pixels(const PinholeView& view, const TileRequest& request
         any_column |= bits;
         any_row |= std::uint32_t(bits != 0) << row;
         for (std::uint32_t left = bits; left != 0; left &= left - 1) {
-            pixels.x[pixels.count] = float(std::countr_zero(left)) - kHalf;
-            pixels.y[pixels.count++] = float(row) - kHalf;
+            pixels.x[pixels.count] = float(pixels.first_column + std::countr_zero(left)) - kHalf;
+            pixels.y[pixels.count++] = float(pixels.first_row + row) - kHalf;
         }
     }
     pixels.first_of_row[kTileSize] = pixels.count;
     if (any_column == 0) return false;
-    tile.first_column = float(std::countr_zero(any_column));
-    tile.last_column = float(31 - std::countl_zero(any_column));
-    tile.first_row = float(std::countr_zero(any_row));
-    tile.last_row = float(31 - std::countl_zero(any_row));
+    tile.first_column = float(pixels.first_column + std::countr_zero(any_column));
+    tile.last_column = float(pixels.first_column + 31 - std::countl_zero(any_column));
+    tile.first_row = float(pixels.first_row + std::countr_zero(any_row));
+    tile.last_row = float(pixels.first_row + 31 - std::countl_zero(any_row));
     for (int at = 0; at < pixels.count; at += kLanes) {
         const auto asked = hn::FirstN(f, std::size_t(pixels.count - at));
         hn::Store(hn::IfThenElse(asked, hn::Zero(f), hn::Set(f, kInf)), f, pixels.best + at);
@@ -161,8 +166,8 @@ HWY_INLINE void draw_packed(const LeafScratch& s, int i, PrimitiveId id, Pixels&
     const VF left = hn::Set(f, float(s.x0[i]) - kHalf), right = hn::Set(f, float(s.x1[i]) - kHalf);
     const VF upper = hn::Set(f, float(s.y0[i]) - kHalf), lower = hn::Set(f, float(s.y1[i]) - kHalf);
     const auto own_instance = hn::Set(ui, id.instance), own_triangle = hn::Set(ui, id.triangle);
-    const int end = pixels.first_of_row[s.y1[i] + 1];
-    for (int at = pixels.first_of_row[s.y0[i]] / kLanes * kLanes; at < end; at += kLanes) {
+    const int end = pixels.first_of_row[s.y1[i] - pixels.first_row + 1];
+    for (int at = pixels.first_of_row[s.y0[i] - pixels.first_row] / kLanes * kLanes; at < end; at += kLanes) {
         const VF x = hn::Load(f, pixels.x + at), y = hn::Load(f, pixels.y + at);
         const VF e[3] = {hn::MulAdd(a0, x, hn::MulAdd(b0, y, c0)), hn::MulAdd(a1, x, hn::MulAdd(b1, y, c1)),
                          hn::MulAdd(a2, x, hn::MulAdd(b2, y, c2))};
@@ -217,7 +222,7 @@ HWY_INLINE void write_pixels(const Pixels& pixels, const TileRequest& request, V
         const std::size_t first = out.index(request.x, request.y + row);
         std::uint32_t empty = 0;
         for (int at = pixels.first_of_row[row]; at < pixels.first_of_row[row + 1]; ++at) {
-            const int column = int(pixels.x[at] + kHalf);
+            const int column = int(pixels.x[at] + kHalf) - pixels.first_column;
             if (pixels.best[at] == 0.0f) {
                 empty |= 1u << column;
                 continue;

@@ -52,7 +52,7 @@ class RayCaster {
 std::unique_ptr<RayCaster> make_embree_caster(const scene::StaticScene& scene);
 /// P0's regular grid, two levels (Amanatides and Woo 1987).
 std::unique_ptr<RayCaster> make_grid_caster(const scene::StaticScene& scene);
-/// Tiles of 16 x 16 pixels at once through the pack's own BVHs.
+/// Squares of 32 x 32 pixels at once, up to four requests, through the pack's own BVHs.
 std::unique_ptr<RayCaster> make_beam_caster(const scene::StaticScene& scene);
 
 }  // namespace ff::farfield

@@ -184,7 +184,7 @@ DBox3 cube(const WorldPos& middle, double half) {
 
 TEST(BeamCaster, FindsWhatABruteForceFindsInsideATriangleSoup) {
     Differences sum;
-    for (std::uint32_t seed = 0; seed < 60; ++seed) {
+    for (std::uint32_t seed = 0; seed < 160; ++seed) {
         const SceneData data = test::make_triangle_soup({.triangles = 60}, {.seed = seed, .height_grid_size = 16});
         test::Random random(seed);
         compare(data, test::random_camera(random, cube(WorldPos(0.0), 8.0)), 48, 40, sum, fmt::format("seed {}", seed));
@@ -206,7 +206,7 @@ TEST(BeamCaster, FindsWhatABruteForceFindsInMaskedTriangles) {
 
 TEST(BeamCaster, FindsWhatABruteForceFindsWhereTrianglesCrossTheEyePlane) {
     Differences sum;
-    for (std::uint32_t seed = 0; seed < 60; ++seed) {
+    for (std::uint32_t seed = 0; seed < 160; ++seed) {
         const SceneData data = test::make_triangle_soup({.triangles = 6, .size_m = 10.0, .edge_m = 100.0},
                                                         {.seed = seed, .height_grid_size = 16});
         test::Random random(seed);
