@@ -109,55 +109,128 @@ HWY_NOINLINE MF opaque_lanes(MF win, AlphaDraw& draw, const LeafScratch& s, int 
     return hn::And(win, hn::Ge(alpha, threshold));
 }
 
+// A triangle of a leaf that is set up, as a register of pixels wants it.
+struct Drawn {
+    VF a[3], b[3], c[3];
+    VF gx, gy, g0, low, high;
+    HWY_INLINE Drawn(const LeafScratch& s, int i)
+        : gx(hn::Set(f, s.gx[i])),
+          gy(hn::Set(f, s.gy[i])),
+          g0(hn::Set(f, s.g0[i])),
+          low(hn::Set(f, s.low[i])),
+          high(hn::Set(f, s.high[i])) {
+        for (int k = 0; k < 3; ++k) {
+            a[k] = hn::Set(f, s.a[k][i]);
+            b[k] = hn::Set(f, s.b[k][i]);
+            c[k] = hn::Set(f, s.c[k][i]);
+        }
+    }
+};
+
+// Draws a register's columns from `column` on, rows y0..y1; true if a pixel was won. Rows are the inner loop: what
+// depends on the column alone is done once.
+template <bool kAlpha>
+HWY_INLINE bool draw_columns(const Drawn& d, int column, int y0, int y1, std::uint32_t instance, std::uint32_t triangle,
+                             Tile& tile, AlphaDraw* alpha, const LeafScratch& s, int i) {
+    const VF x = hn::Iota(f, float(column) - kHalf);
+    const VF c0 = hn::MulAdd(d.a[0], x, d.c[0]), c1 = hn::MulAdd(d.a[1], x, d.c[1]);
+    const VF c2 = hn::MulAdd(d.a[2], x, d.c[2]), g = hn::MulAdd(d.gx, x, d.g0);
+    bool has_won = false;
+    for (int row = y0; row <= y1; ++row) {
+        const VF y = hn::Set(f, float(row) - kHalf);
+        const VF e[3] = {hn::MulAdd(d.b[0], y, c0), hn::MulAdd(d.b[1], y, c1), hn::MulAdd(d.b[2], y, c2)};
+        // Not-a-number (a sliver's plane) becomes `low`: x86's max returns its second operand then.
+        const VF inverse_depth = hn::Min(hn::Max(hn::MulAdd(d.gy, y, g), d.low), d.high);
+        const int at = row * kRowStride + column;
+        const VF best = hn::LoadU(f, tile.best + at);
+        const MF inside = hn::Ge(min3(e[0], e[1], e[2]), hn::Zero(f));
+        MF win = hn::And(inside, hn::Ge(inverse_depth, best));
+        if (hn::AllFalse(f, win)) continue;
+        const auto own_instance = hn::Set(ui, instance), own_triangle = hn::Set(ui, triangle);
+        const auto old_instance = hn::LoadU(ui, tile.instance + at), old_triangle = hn::LoadU(ui, tile.triangle + at);
+        const MF tie = hn::And(win, hn::Eq(inverse_depth, best));
+        if (HWY_UNLIKELY(!hn::AllFalse(f, tie))) {
+            const auto smaller =
+                hn::Or(hn::Lt(own_instance, old_instance),
+                       hn::And(hn::Eq(own_instance, old_instance), hn::Lt(own_triangle, old_triangle)));
+            win = hn::AndNot(hn::AndNot(hn::RebindMask(f, smaller), tie), win);
+        }
+        if constexpr (kAlpha) {
+            win = opaque_lanes(win, *alpha, s, i, e, inverse_depth);
+            if (hn::AllFalse(f, win)) continue;
+        }
+        hn::StoreU(hn::IfThenElse(win, inverse_depth, best), f, tile.best + at);
+        const auto win_u = hn::RebindMask(ui, win);
+        hn::StoreU(hn::IfThenElse(win_u, own_instance, old_instance), ui, tile.instance + at);
+        hn::StoreU(hn::IfThenElse(win_u, own_triangle, old_triangle), ui, tile.triangle + at);
+        has_won = true;
+    }
+    return has_won;
+}
+
+// First and last pixel centres of the cells' columns and rows.
+struct CellCorners {
+    alignas(64) float x[2][16], y[2][16];
+};
+constexpr CellCorners cell_corners() {
+    CellCorners corners{};
+    for (int cell = 0; cell < kCells * kCells; ++cell) {
+        for (int side = 0; side < 2; ++side) {
+            corners.x[side][cell] = float(cell % kCells * 8 + side * 7) - kHalf;
+            corners.y[side][cell] = float(cell / kCells * 8 + side * 7) - kHalf;
+        }
+    }
+    return corners;
+}
+constexpr CellCorners kCellCorners = cell_corners();
+
+// Cells that triangle i may win pixels of, as bits: the corner where an edge function or 1/depth is greatest is asked,
+// with the very operations of the pixels.
+HWY_INLINE std::uint32_t cells_to_draw(const Drawn& d, const LeafScratch& s, int i, const Tile& tile) {
+    std::uint32_t cells = 0;
+    for (int first = 0; first < kCells * kCells; first += kLanes) {
+        const auto most = [&](float slope_x, float slope_y, VF a, VF b, VF c) {
+            const VF x = hn::Load(f, kCellCorners.x[slope_x >= 0.0f] + first);
+            const VF y = hn::Load(f, kCellCorners.y[slope_y >= 0.0f] + first);
+            return hn::MulAdd(b, y, hn::MulAdd(a, x, c));
+        };
+        const VF inside =
+            min3(most(s.a[0][i], s.b[0][i], d.a[0], d.b[0], d.c[0]), most(s.a[1][i], s.b[1][i], d.a[1], d.b[1], d.c[1]),
+                 most(s.a[2][i], s.b[2][i], d.a[2], d.b[2], d.c[2]));
+        const VF nearest = hn::Min(hn::Max(most(s.gx[i], s.gy[i], d.gx, d.gy, d.g0), d.low), d.high);
+        const VF best = hn::Load(f, &tile.cell_best[0][0] + first);
+        cells |= bits_of(hn::And(hn::Ge(inside, hn::Zero(f)), hn::Ge(nearest, best))) << first;
+    }
+    return cells;
+}
+
 // Draws triangle i of the leaf into the pixels that it wins.
 template <bool kAlpha>
 HWY_INLINE void draw(const LeafScratch& s, int i, std::uint32_t instance, std::uint32_t triangle, Tile& tile,
                      AlphaDraw* alpha) {
-    const VF a0 = hn::Set(f, s.a[0][i]), a1 = hn::Set(f, s.a[1][i]), a2 = hn::Set(f, s.a[2][i]);
-    const VF b0 = hn::Set(f, s.b[0][i]), b1 = hn::Set(f, s.b[1][i]), b2 = hn::Set(f, s.b[2][i]);
-    const VF c0 = hn::Set(f, s.c[0][i]), c1 = hn::Set(f, s.c[1][i]), c2 = hn::Set(f, s.c[2][i]);
-    const VF gx = hn::Set(f, s.gx[i]), gy = hn::Set(f, s.gy[i]), g0 = hn::Set(f, s.g0[i]);
-    const VF low = hn::Set(f, s.low[i]), high = hn::Set(f, s.high[i]);
-    const auto own_instance = hn::Set(ui, instance), own_triangle = hn::Set(ui, triangle);
-    const int x0 = s.x0[i], x1 = s.x1[i];
+    const Drawn d(s, i);
+    const int x0 = s.x0[i], x1 = s.x1[i], y0 = s.y0[i], y1 = s.y1[i];
+    const auto columns = [&](int column, int first_row, int last_row) {
+        return draw_columns<kAlpha>(d, column, first_row, last_row, instance, triangle, tile, alpha, s, i);
+    };
     bool has_won = false;
-    for (int row = s.y0[i]; row <= s.y1[i]; ++row) {
-        const VF y = hn::Set(f, float(row) - kHalf);
-        const VF r0 = hn::MulAdd(b0, y, c0), r1 = hn::MulAdd(b1, y, c1), r2 = hn::MulAdd(b2, y, c2);
-        const VF rg = hn::MulAdd(gy, y, g0);
-        for (int chunk = x0; chunk <= x1; chunk += kLanes) {
-            const VF x = hn::Iota(f, float(chunk) - kHalf);
-            const VF e[3] = {hn::MulAdd(a0, x, r0), hn::MulAdd(a1, x, r1), hn::MulAdd(a2, x, r2)};
-            // Not-a-number (a sliver's plane) becomes `low`: x86's max returns its second operand then.
-            const VF inverse_depth = hn::Min(hn::Max(hn::MulAdd(gx, x, rg), low), high);
-            const int at = row * kRowStride + chunk;
-            const VF best = hn::LoadU(f, tile.best + at);
-            const MF inside = hn::Ge(min3(e[0], e[1], e[2]), hn::Zero(f));
-            MF win = hn::And(inside, hn::Ge(inverse_depth, best));
-            if (hn::AllFalse(f, win)) continue;
-            const auto old_instance = hn::LoadU(ui, tile.instance + at),
-                       old_triangle = hn::LoadU(ui, tile.triangle + at);
-            const MF tie = hn::And(win, hn::Eq(inverse_depth, best));
-            if (HWY_UNLIKELY(!hn::AllFalse(f, tie))) {
-                const auto smaller =
-                    hn::Or(hn::Lt(own_instance, old_instance),
-                           hn::And(hn::Eq(own_instance, old_instance), hn::Lt(own_triangle, old_triangle)));
-                win = hn::AndNot(hn::AndNot(hn::RebindMask(f, smaller), tie), win);
+    if (x1 - x0 < 8) {
+        for (int column = x0; column <= x1; column += kLanes) has_won |= columns(column, y0, y1);
+    } else {
+        // Much of a wide triangle's bounds lies outside or behind.
+        const std::uint32_t cells = cells_to_draw(d, s, i, tile);
+        constexpr int kCellsAtOnce = std::max(1, kLanes / 8);
+        for (int row = y0; row <= y1; row = row / 8 * 8 + 8) {
+            const std::uint32_t of_row = cells >> row / 8 * kCells;
+            for (int column = x0 / 8 * 8; column <= x1; column += kLanes) {
+                if ((of_row >> column / 8 & ((1u << kCellsAtOnce) - 1u)) == 0) continue;
+                has_won |= columns(column, row, std::min(y1, row / 8 * 8 + 7));
             }
-            if constexpr (kAlpha) {
-                win = opaque_lanes(win, *alpha, s, i, e, inverse_depth);
-                if (hn::AllFalse(f, win)) continue;
-            }
-            hn::StoreU(hn::IfThenElse(win, inverse_depth, best), f, tile.best + at);
-            const auto win_u = hn::RebindMask(ui, win);
-            hn::StoreU(hn::IfThenElse(win_u, own_instance, old_instance), ui, tile.instance + at);
-            hn::StoreU(hn::IfThenElse(win_u, own_triangle, old_triangle), ui, tile.triangle + at);
-            has_won = true;
         }
     }
     if (has_won) {
-        tile.first_changed = std::min(tile.first_changed, s.y0[i]);
-        tile.last_changed = std::max(tile.last_changed, s.y1[i]);
+        tile.first_changed = std::min(tile.first_changed, y0);
+        tile.last_changed = std::max(tile.last_changed, y1);
     }
 }
 

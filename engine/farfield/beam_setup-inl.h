@@ -251,7 +251,7 @@ HWY_NOINLINE std::uint32_t set_up(const BvhLeaf& leaf, int first, const Tile& ti
         e[k].c = hn::Add(plain_c[k], e[k].error);
         const VF best_x = hn::IfThenElse(hn::Ge(e[k].a, hn::Zero(f)), right, left);
         const VF best_y = hn::IfThenElse(hn::Ge(e[k].b, hn::Zero(f)), lower, upper);
-        const VF most = hn::MulAdd(e[k].a, best_x, hn::MulAdd(e[k].b, best_y, e[k].c));
+        const VF most = hn::MulAdd(e[k].b, best_y, hn::MulAdd(e[k].a, best_x, e[k].c));
         alive = hn::And(alive, hn::Ge(most, hn::Zero(f)));
     }
     const std::uint32_t bits = bits_of(alive);

@@ -169,10 +169,10 @@ HWY_INLINE void draw_packed(const LeafScratch& s, int i, PrimitiveId id, Pixels&
     const int end = pixels.first_of_row[s.y1[i] - pixels.first_row + 1];
     for (int at = pixels.first_of_row[s.y0[i] - pixels.first_row] / kLanes * kLanes; at < end; at += kLanes) {
         const VF x = hn::Load(f, pixels.x + at), y = hn::Load(f, pixels.y + at);
-        const VF e[3] = {hn::MulAdd(a0, x, hn::MulAdd(b0, y, c0)), hn::MulAdd(a1, x, hn::MulAdd(b1, y, c1)),
-                         hn::MulAdd(a2, x, hn::MulAdd(b2, y, c2))};
+        const VF e[3] = {hn::MulAdd(b0, y, hn::MulAdd(a0, x, c0)), hn::MulAdd(b1, y, hn::MulAdd(a1, x, c1)),
+                         hn::MulAdd(b2, y, hn::MulAdd(a2, x, c2))};
         // Not-a-number (a sliver's plane) becomes `low`: x86's max returns its second operand then.
-        const VF inverse_depth = hn::Min(hn::Max(hn::MulAdd(gx, x, hn::MulAdd(gy, y, g0)), low), high);
+        const VF inverse_depth = hn::Min(hn::Max(hn::MulAdd(gy, y, hn::MulAdd(gx, x, g0)), low), high);
         const VF best = hn::Load(f, pixels.best + at);
         const MF within =
             hn::And(hn::And(hn::Ge(x, left), hn::Le(x, right)), hn::And(hn::Ge(y, upper), hn::Le(y, lower)));
