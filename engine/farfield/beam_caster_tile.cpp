@@ -34,7 +34,7 @@ HWY_NOINLINE void draw_leaf(const scene::StaticScene& scene, const BvhLeaf& leaf
         const int i = std::countr_zero(bits);
         const std::uint32_t triangle = leaf.first_triangle + std::uint32_t(i);
         if (HWY_UNLIKELY((leaf.alpha_triangles >> i) & 1)) {
-            AlphaDraw alpha{scene, instance, triangle, pixel_angle, {}, false, {}};
+            AlphaDraw alpha{scene, instance, triangle, pixel_angle, {}, {}};
             for (int k = 0; k < 3; ++k) {
                 const int v = leaf.corner[k][i];
                 alpha.corners[k] = {leaf.x[v], leaf.y[v], leaf.z[v]};
@@ -65,6 +65,7 @@ void CastTile(const scene::StaticScene& scene, const BeamView& view, const BeamR
         const scene::Instance& instance = scene.instances[id];
         const scene::Mesh& mesh = scene.meshes[instance.mesh];
         const BvhNode* nodes = scene.mesh_nodes.data() + mesh.first_node;
+        prefetch(nodes);
         const BvhLeaf* leaves = scene.mesh_leaves.data() + mesh.first_leaf;
         Linear xyw[3];
         linears(xyw, DMat3(instance.world_from_mesh), instance.position);
@@ -88,7 +89,14 @@ void CastTile(const scene::StaticScene& scene, const BeamView& view, const BeamR
         const Vec3 reach = reach_of(Vec3(scene.bounds.low - scene.origin), Vec3(scene.bounds.high - scene.origin));
         const Beam beam = make_beam(xyw, reach, tile);
         walk(
-            scene.instance_nodes.data(), beam, tile, cost.nodes, [](std::uint32_t) {}, draw_instance);
+            scene.instance_nodes.data(), beam, tile, cost.nodes,
+            [&](std::uint32_t child) {
+                if (child & kBvhLeafBit)
+                    prefetch(scene.instances.data() + (child & ~kBvhLeafBit));
+                else
+                    prefetch(scene.instance_nodes.data() + child);
+            },
+            draw_instance);
     }
     write_tile(tile, request, rows, out);
 }

@@ -11,6 +11,7 @@
 
 #include <bit>
 #include <cstdint>
+#include <optional>
 
 #include "engine/farfield/alpha_test.h"
 #include "engine/farfield/beam_setup-inl.h"
@@ -25,9 +26,8 @@ struct AlphaDraw {
     const scene::StaticScene& scene;
     std::uint32_t instance, triangle;
     float pixel_angle;
-    Vec3 corners[3];  // mesh space
-    bool is_known = false;
-    AlphaSurface surface;
+    Vec3 corners[3];                      // mesh space
+    std::optional<AlphaSurface> surface;  // not touched until then: it is large
 };
 
 HWY_INLINE VI texel_of(VF coordinate, std::uint32_t size, scene::Wrap wrap) {
@@ -55,12 +55,11 @@ HWY_INLINE VF threshold_of(std::uint32_t seed, VI x, VI y) {
 // Switches off the lanes of `win` whose point is see-through: is_opaque_at() of alpha_test.h, operation by operation,
 // for a register of pixels. e: their edge functions.
 HWY_NOINLINE MF opaque_lanes(MF win, AlphaDraw& draw, const LeafScratch& s, int i, const VF (&e)[3], VF inverse_depth) {
-    if (!draw.is_known) {
+    if (!draw.surface) {
         const scene::Instance& instance = draw.scene.instances[draw.instance];
-        draw.surface = make_alpha_surface(draw.scene, instance, draw.instance, draw.triangle, draw.corners);
-        draw.is_known = true;
+        draw.surface.emplace(make_alpha_surface(draw.scene, instance, draw.instance, draw.triangle, draw.corners));
     }
-    const AlphaSurface& surface = draw.surface;
+    const AlphaSurface& surface = *draw.surface;
     if (!surface.is_see_through) return win;
     const VF w0 = hn::Mul(e[0], hn::Set(f, s.weight[0][i])), w1 = hn::Mul(e[1], hn::Set(f, s.weight[1][i]));
     const VF w2 = hn::Mul(e[2], hn::Set(f, s.weight[2][i]));
@@ -135,7 +134,7 @@ HWY_INLINE bool draw_columns(const Drawn& d, int column, int y0, int y1, std::ui
     const VF x = hn::Iota(f, float(column) - kHalf);
     const VF c0 = hn::MulAdd(d.a[0], x, d.c[0]), c1 = hn::MulAdd(d.a[1], x, d.c[1]);
     const VF c2 = hn::MulAdd(d.a[2], x, d.c[2]), g = hn::MulAdd(d.gx, x, d.g0);
-    bool has_won = false;
+    MF any = hn::MaskFromVec(hn::Zero(f));
     for (int row = y0; row <= y1; ++row) {
         const VF y = hn::Set(f, float(row) - kHalf);
         const VF e[3] = {hn::MulAdd(d.b[0], y, c0), hn::MulAdd(d.b[1], y, c1), hn::MulAdd(d.b[2], y, c2)};
@@ -145,7 +144,10 @@ HWY_INLINE bool draw_columns(const Drawn& d, int column, int y0, int y1, std::ui
         const VF best = hn::LoadU(f, tile.best + at);
         const MF inside = hn::Ge(min3(e[0], e[1], e[2]), hn::Zero(f));
         MF win = hn::And(inside, hn::Ge(inverse_depth, best));
-        if (hn::AllFalse(f, win)) continue;
+        // Half of the registers win something: to write back what was there is cheaper than to guess.
+        if constexpr (kAlpha) {
+            if (hn::AllFalse(f, win)) continue;
+        }
         const auto own_instance = hn::Set(ui, instance), own_triangle = hn::Set(ui, triangle);
         const auto old_instance = hn::LoadU(ui, tile.instance + at), old_triangle = hn::LoadU(ui, tile.triangle + at);
         const MF tie = hn::And(win, hn::Eq(inverse_depth, best));
@@ -163,9 +165,9 @@ HWY_INLINE bool draw_columns(const Drawn& d, int column, int y0, int y1, std::ui
         const auto win_u = hn::RebindMask(ui, win);
         hn::StoreU(hn::IfThenElse(win_u, own_instance, old_instance), ui, tile.instance + at);
         hn::StoreU(hn::IfThenElse(win_u, own_triangle, old_triangle), ui, tile.triangle + at);
-        has_won = true;
+        any = hn::Or(any, win);
     }
-    return has_won;
+    return !hn::AllFalse(f, any);
 }
 
 // First and last pixel centres of the cells' columns and rows.

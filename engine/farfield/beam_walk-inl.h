@@ -194,9 +194,10 @@ HWY_INLINE bool may_be_seen(const Tile& tile, float near, PixelRect rect) {
     return near * tile.least[rect.cells()] < kFarther;
 }
 
-HWY_INLINE void prefetch(const void* address) {
-    const char* at = static_cast<const char*>(address);
-    for (int line = 0; line < 7; ++line) __builtin_prefetch(at + 64 * line);
+template <class T>
+HWY_INLINE void prefetch(const T* object) {
+    const char* at = reinterpret_cast<const char*>(object);
+    for (std::size_t byte = 0; byte < sizeof(T); byte += 64) __builtin_prefetch(at + byte);
 }
 
 // Walks one hierarchy front to back; `on_leaf(leaf id)` may bring `tile.least` nearer.

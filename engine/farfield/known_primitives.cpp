@@ -204,7 +204,7 @@ HWY_INLINE void draw_block(const scene::StaticScene& scene, std::span<const Know
         const int i = std::countr_zero(bits);
         const KnownTriangle& triangle = triangles[std::size_t(i)];
         if ((block.alpha >> i) & 1) {
-            AlphaDraw alpha{scene, triangle.id.instance, triangle.id.triangle, pixel_angle, {}, false, {}};
+            AlphaDraw alpha{scene, triangle.id.instance, triangle.id.triangle, pixel_angle, {}, {}};
             std::copy_n(triangle.corners, 3, alpha.corners);
             draw_packed<true>(s, i, triangle.id, pixels, &alpha);
         } else {
