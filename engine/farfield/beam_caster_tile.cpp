@@ -18,8 +18,18 @@ namespace ff::farfield::beam {
 namespace HWY_NAMESPACE {
 namespace {
 
+// What a see-through triangle is described by lies far from its leaf.
+HWY_INLINE void prefetch_materials(const scene::StaticScene& scene, const BvhLeaf& leaf, std::uint32_t instance) {
+    const scene::Mesh& mesh = scene.meshes[scene.instances[instance].mesh];
+    const std::size_t first = std::size_t(mesh.first_triangle) + leaf.first_triangle;
+    __builtin_prefetch(&scene.triangle_materials[first]);
+    for (std::size_t index = 0; index < 3 * std::size_t(leaf.triangle_count); index += 64 / sizeof(std::uint32_t))
+        __builtin_prefetch(&scene.indices[3 * first + index]);
+}
+
 HWY_NOINLINE void draw_leaf(const scene::StaticScene& scene, const BvhLeaf& leaf, std::uint32_t instance,
                             const Linear (&xyw)[3], float pixel_angle, Tile& tile) {
+    if (leaf.alpha_triangles != 0) prefetch_materials(scene, leaf, instance);
     LeafScratch s;
     const bool projected = transform_vertices(leaf, xyw, s);
     std::uint32_t bits = 0;
