@@ -36,19 +36,16 @@ HWY_NOINLINE void draw_leaf(const scene::StaticScene& scene, const BvhLeaf& leaf
     // Registers wider than a direct block would need it twice over: they look up.
     const bool direct = kLanes <= BvhLeaf::kMaxDirect && leaf.triangle_count <= BvhLeaf::kMaxDirect;
     for (int first = 0; first < leaf.triangle_count; first += kLanes) {
-        bits |= projected
-                    ? (direct ? set_up<true, true>(leaf, first, tile, s) : set_up<true, false>(leaf, first, tile, s))
-                    : (direct ? set_up<false, true>(leaf, first, tile, s) : set_up<false, false>(leaf, first, tile, s));
+        bits |= projected ? (direct ? set_up<true, true, true>(leaf, first, tile, s)
+                                    : set_up<true, true, false>(leaf, first, tile, s))
+                          : (direct ? set_up<true, false, true>(leaf, first, tile, s)
+                                    : set_up<true, false, false>(leaf, first, tile, s));
     }
     for (; bits != 0; bits &= bits - 1) {
         const int i = std::countr_zero(bits);
         const std::uint32_t triangle = leaf.first_triangle + std::uint32_t(i);
         if (HWY_UNLIKELY((leaf.alpha_triangles >> i) & 1)) {
-            AlphaDraw alpha{scene, instance, triangle, pixel_angle, {}, {}};
-            for (int k = 0; k < 3; ++k) {
-                const int v = leaf.corner[k][i];
-                alpha.corners[k] = {leaf.x[v], leaf.y[v], leaf.z[v]};
-            }
+            AlphaDraw alpha{scene, instance, triangle, pixel_angle, leaf, i, {}};
             draw<true>(s, i, instance, triangle, tile, &alpha);
         } else {
             draw<false>(s, i, instance, triangle, tile, nullptr);

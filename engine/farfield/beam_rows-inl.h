@@ -21,12 +21,13 @@ namespace ff::farfield::beam {
 namespace HWY_NAMESPACE {
 namespace {
 
-// A see-through triangle, looked up once one of its pixels may win.
+// A see-through triangle of a leaf, looked up once one of its pixels may win.
 struct AlphaDraw {
     const scene::StaticScene& scene;
     std::uint32_t instance, triangle;
     float pixel_angle;
-    Vec3 corners[3];                      // mesh space
+    const BvhLeaf& leaf;  // whose i-th triangle it is
+    int i;
     std::optional<AlphaSurface> surface;  // not touched until then: it is large
 };
 
@@ -57,7 +58,12 @@ HWY_INLINE VF threshold_of(std::uint32_t seed, VI x, VI y) {
 HWY_NOINLINE MF opaque_lanes(MF win, AlphaDraw& draw, const LeafScratch& s, int i, const VF (&e)[3], VF inverse_depth) {
     if (!draw.surface) {
         const scene::Instance& instance = draw.scene.instances[draw.instance];
-        draw.surface.emplace(make_alpha_surface(draw.scene, instance, draw.instance, draw.triangle, draw.corners));
+        Vec3 corners[3];
+        for (int k = 0; k < 3; ++k) {
+            const int v = draw.leaf.corner[k][draw.i];
+            corners[k] = {draw.leaf.x[v], draw.leaf.y[v], draw.leaf.z[v]};
+        }
+        draw.surface.emplace(make_alpha_surface(draw.scene, instance, draw.instance, draw.triangle, corners));
     }
     const AlphaSurface& surface = *draw.surface;
     if (!surface.is_see_through) return win;
@@ -135,8 +141,8 @@ HWY_INLINE bool draw_columns(const Drawn& d, int column, int y0, int y1, std::ui
     const VF c0 = hn::MulAdd(d.a[0], x, d.c[0]), c1 = hn::MulAdd(d.a[1], x, d.c[1]);
     const VF c2 = hn::MulAdd(d.a[2], x, d.c[2]), g = hn::MulAdd(d.gx, x, d.g0);
     MF any = hn::MaskFromVec(hn::Zero(f));
-    for (int row = y0; row <= y1; ++row) {
-        const VF y = hn::Set(f, float(row) - kHalf);
+    VF y = hn::Set(f, float(y0) - kHalf);
+    for (int row = y0; row <= y1; ++row, y = hn::Add(y, hn::Set(f, 1.0f))) {
         const VF e[3] = {hn::MulAdd(d.b[0], y, c0), hn::MulAdd(d.b[1], y, c1), hn::MulAdd(d.b[2], y, c2)};
         // Not-a-number (a sliver's plane) becomes `low`: x86's max returns its second operand then.
         const VF inverse_depth = hn::Min(hn::Max(hn::MulAdd(d.gy, y, g), d.low), d.high);

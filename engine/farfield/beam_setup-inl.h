@@ -134,18 +134,24 @@ HWY_INLINE VF max3(VF a, VF b, VF c) {
     return hn::Max(a, hn::Max(b, c));
 }
 
-// The farthest 1/depth that the tile still has in the cells that bounds in pixels touch; anything for empty bounds.
+// The farthest 1/depth that the tile still has where bounds in pixels lie, or in the cells that they touch; anything
+// for empty bounds.
 HWY_INLINE VF farthest_under(VF x0, VF x1, VF y0, VF y1, const Tile& tile) {
     const auto cell = [](VF pixel) { return hn::ShiftRight<3>(hn::ConvertTo(si, pixel)); };
     const VI columns = range_of_cells(cell(x0), cell(x1)), rows = range_of_cells(cell(y0), cell(y1));
-    const VI range = hn::Or(columns, hn::ShiftLeft<4>(rows));
-    return hn::GatherIndex(f, tile.least, hn::And(range, hn::Set(si, 255)));
+    const VI range = hn::And(hn::Or(columns, hn::ShiftLeft<4>(rows)), hn::Set(si, 255));
+    // Many triangles are a pixel large: that is asked itself.
+    const MF is_pixel = hn::And(hn::Eq(x0, x1), hn::Eq(y0, y1));
+    const VI pixel = hn::ConvertTo(si, hn::MulAdd(y0, hn::Set(f, float(kRowStride)), x0));
+    const VI at = hn::IfThenElse(hn::RebindMask(si, is_pixel), pixel, hn::Add(range, hn::Set(si, kLeast)));
+    return hn::GatherIndex(f, tile.best, at);
 }
 
 // Sets up kLanes triangles from `first` on; returns those that may win a pixel, as bits.
+// @tparam kByDepth    those behind what the tile has are dropped.
 // @tparam kProjected  every vertex of the leaf can be projected.
 // @tparam kDirect     the leaf's vertices lie as registers need them.
-template <bool kProjected, bool kDirect>
+template <bool kByDepth, bool kProjected, bool kDirect>
 HWY_NOINLINE std::uint32_t set_up(const BvhLeaf& leaf, int first, const Tile& tile, LeafScratch& s) {
     const int count = leaf.vertex_count;
     VI index[3];
@@ -203,7 +209,7 @@ HWY_NOINLINE std::uint32_t set_up(const BvhLeaf& leaf, int first, const Tile& ti
     y0 = hn::Max(y0, hn::Set(f, tile.first_row));
     y1 = hn::Min(y1, hn::Set(f, tile.last_row));
     MF alive = hn::And(valid, hn::And(hn::Le(x0, x1), hn::Le(y0, y1)));
-    alive = hn::And(alive, hn::Ge(high, farthest_under(x0, x1, y0, y1, tile)));
+    if constexpr (kByDepth) alive = hn::And(alive, hn::Ge(high, farthest_under(x0, x1, y0, y1, tile)));
     if (hn::AllFalse(f, alive)) return 0;
 
     // Edge k lies opposite of corner k.

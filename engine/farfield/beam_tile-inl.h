@@ -54,20 +54,22 @@ struct Linear {
     float x, y, z, c;
 };
 
-// The tile's pixels, rows with room for a register that begins at the last; and the nearest that anything must be to
-// show in any rectangle of its cells of 8 x 8.
+// The tile's pixels, rows with room for a register that begins at the last. Behind their depths those of the farthest
+// pixel in any rectangle of cells of 8 x 8, by range_of_cells: columns, rows << 4.
 constexpr int kRowStride = kBeamSize + std::max(kLanes, 8);
 constexpr int kCells = kBeamSize / 8;
+constexpr int kLeast = kBeamSize * kRowStride;
 static_assert(kCells == 4);
 
 struct Tile {
-    alignas(64) float best[kBeamSize * kRowStride];  // 1/depth; 0: sky; +inf where nobody asked
+    alignas(64) float best[kLeast + 256];  // 1/depth; 0: sky; +inf where nobody asked
     alignas(64) std::uint32_t instance[kBeamSize * kRowStride];
     alignas(64) std::uint32_t triangle[kBeamSize * kRowStride];
-    alignas(64) float cell_best[kCells][kCells];       // 1/depth of the farthest pixel, row by row
-    alignas(64) float least[256] = {};                 // the same of rectangles, by range_of_cells: columns, rows << 4
-    int first_changed = kBeamSize, last_changed = -1;  // pixel rows
+    alignas(64) float cell_best[kCells][kCells];                           // of the farthest pixel, row by row
+    int first_changed = kBeamSize, last_changed = -1;                      // pixel rows
     float first_column = 0, last_column = 0, first_row = 0, last_row = 0;  // bounds of the pixels asked for
+
+    [[nodiscard]] HWY_INLINE float least(std::uint32_t cells) const { return best[std::uint32_t(kLeast) + cells]; }
 };
 
 HWY_INLINE std::uint32_t bits_of(MF mask) {
@@ -95,7 +97,7 @@ HWY_INLINE void combine_cells(Tile& tile) {
         auto rows = hn::Load(d, tile.cell_best[first]);
         for (int more = 0; first + more < kCells; ++more) {
             rows = hn::Min(rows, hn::Load(d, tile.cell_best[first + more]));
-            float* to = tile.least + (more << 6 | first << 4);
+            float* to = tile.best + kLeast + (more << 6 | first << 4);
             const auto two = hn::Min(rows, hn::ShiftRightLanes<1>(d, rows));
             hn::Store(rows, d, to);
             hn::Store(two, d, to + 4);

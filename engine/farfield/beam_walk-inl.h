@@ -191,7 +191,7 @@ HWY_INLINE bool may_be_seen_in_few(const Tile& tile, float near, PixelRect rect)
 
 // The same for any pixels, by the farthest of the cells that they touch.
 HWY_INLINE bool may_be_seen(const Tile& tile, float near, PixelRect rect) {
-    return near * tile.least[rect.cells()] < kFarther;
+    return near * tile.least(rect.cells()) < kFarther;
 }
 
 template <class T>
@@ -200,7 +200,7 @@ HWY_INLINE void prefetch(const T* object) {
     for (std::size_t byte = 0; byte < sizeof(T); byte += 64) __builtin_prefetch(at + byte);
 }
 
-// Walks one hierarchy front to back; `on_leaf(leaf id)` may bring `tile.least` nearer.
+// Walks one hierarchy front to back; `on_leaf(leaf id)` may bring pixels nearer.
 template <class Prefetch, class OnLeaf>
 HWY_INLINE void walk(const BvhNode* nodes, const Beam& beam, const Tile& tile, std::uint64_t& visited,
                      Prefetch&& prefetch_child, OnLeaf&& on_leaf) {
@@ -219,7 +219,7 @@ HWY_INLINE void walk(const BvhNode* nodes, const Beam& beam, const Tile& tile, s
         const BvhNode& node = nodes[entry.child];
         ++visited;
         Met met;
-        children_in_beam(node, beam, bounds, tile.least[PixelRect{PixelRect::kWholeTile}.cells()], met);
+        children_in_beam(node, beam, bounds, tile.least(PixelRect{PixelRect::kWholeTile}.cells()), met);
         if (top + scene::kBvhWidth > kStackEntries) continue;  // no tree of ours is that deep
         const int bottom = top;
         for (; met.all != 0; met.all &= met.all - 1) {

@@ -195,17 +195,22 @@ HWY_INLINE void draw_block(const scene::StaticScene& scene, std::span<const Know
                            const Block& block, float pixel_angle, const Tile& tile, Pixels& pixels) {
     constexpr bool kDirect = kLanes <= kBlock;
     LeafScratch s;
-    const BvhLeaf leaf = describe(triangles.size());
+    BvhLeaf leaf = describe(triangles.size());
     const bool projected = transform(block, s);
     std::uint32_t bits = 0;
     for (int first = 0; first < leaf.triangle_count; first += kLanes)
-        bits |= projected ? set_up<true, kDirect>(leaf, first, tile, s) : set_up<false, kDirect>(leaf, first, tile, s);
+        bits |= projected ? set_up<false, true, kDirect>(leaf, first, tile, s)
+                          : set_up<false, false, kDirect>(leaf, first, tile, s);
     for (; bits != 0; bits &= bits - 1) {
         const int i = std::countr_zero(bits);
         const KnownTriangle& triangle = triangles[std::size_t(i)];
         if ((block.alpha >> i) & 1) {
-            AlphaDraw alpha{scene, triangle.id.instance, triangle.id.triangle, pixel_angle, {}, {}};
-            std::copy_n(triangle.corners, 3, alpha.corners);
+            for (int corner = 0; corner < 3; ++corner) {
+                const Vec3& p = triangle.corners[corner];
+                const int v = leaf.corner[corner][i];
+                leaf.x[v] = p.x, leaf.y[v] = p.y, leaf.z[v] = p.z;
+            }
+            AlphaDraw alpha{scene, triangle.id.instance, triangle.id.triangle, pixel_angle, leaf, i, {}};
             draw_packed<true>(s, i, triangle.id, pixels, &alpha);
         } else {
             draw_packed<false>(s, i, triangle.id, pixels, nullptr);
