@@ -209,6 +209,7 @@ HWY_NOINLINE std::uint32_t set_up(const BvhLeaf& leaf, int first, const Tile& ti
     y0 = hn::Max(y0, hn::Set(f, tile.first_row));
     y1 = hn::Min(y1, hn::Set(f, tile.last_row));
     MF alive = hn::And(valid, hn::And(hn::Le(x0, x1), hn::Le(y0, y1)));
+    if (hn::AllFalse(f, alive)) return 0;
     if constexpr (kByDepth) alive = hn::And(alive, hn::Ge(high, farthest_under(x0, x1, y0, y1, tile)));
     if (hn::AllFalse(f, alive)) return 0;
 
@@ -260,8 +261,7 @@ HWY_NOINLINE std::uint32_t set_up(const BvhLeaf& leaf, int first, const Tile& ti
         const VF most = hn::MulAdd(e[k].b, best_y, hn::MulAdd(e[k].a, best_x, e[k].c));
         alive = hn::And(alive, hn::Ge(most, hn::Zero(f)));
     }
-    const std::uint32_t bits = bits_of(alive);
-    if (bits == 0) return 0;
+    if (hn::AllFalse(f, alive)) return 0;
 
     // 1/depth is linear over the image.
     const VF inverse_area = hn::Div(hn::Set(f, 1.0f), area);
@@ -278,6 +278,26 @@ HWY_NOINLINE std::uint32_t set_up(const BvhLeaf& leaf, int first, const Tile& ti
         gy = hn::IfThenElse(all_usable, gy, blend(e[0].b, e[1].b, e[2].b));
         g0 = hn::IfThenElse(all_usable, g0, blend(plain_c[0], plain_c[1], plain_c[2]));
     }
+
+    if constexpr (kByDepth) {
+        // Distant triangles have bounds of a pixel or two. Those are asked here, many triangles at once, with the very
+        // operations of the rows: most win none.
+        const MF is_small = hn::Le(hn::Add(hn::Sub(x1, x0), hn::Sub(y1, y0)), hn::Set(f, 1.0f));
+        if (!hn::AllFalse(f, hn::And(alive, is_small))) {
+            const auto may_win = [&](VF column, VF row) {
+                const VF x = hn::Sub(column, half), y = hn::Sub(row, half);
+                const auto value = [&](VF a, VF b, VF c) { return hn::MulAdd(b, y, hn::MulAdd(a, x, c)); };
+                const VF inside =
+                    min3(value(e[0].a, e[0].b, e[0].c), value(e[1].a, e[1].b, e[1].c), value(e[2].a, e[2].b, e[2].c));
+                const VF inverse_depth = hn::Min(hn::Max(value(gx, gy, g0), low), high);
+                const VI at = hn::ConvertTo(si, hn::MulAdd(row, hn::Set(f, float(kRowStride)), column));
+                const VF best = hn::GatherIndex(f, tile.best, hn::IfThenElseZero(hn::RebindMask(si, alive), at));
+                return hn::And(hn::Ge(inside, hn::Zero(f)), hn::Ge(inverse_depth, best));
+            };
+            alive = hn::And(alive, hn::Or(hn::Not(is_small), hn::Or(may_win(x0, y0), may_win(x1, y1))));
+        }
+    }
+    const std::uint32_t bits = bits_of(alive);
 
     for (int k = 0; k < 3; ++k) {
         hn::Store(e[k].a, f, s.a[k] + first);
