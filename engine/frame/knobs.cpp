@@ -31,6 +31,7 @@ constexpr std::array kPrelitDistances{
 constexpr std::array kSubsamples{KnobValue{1, "every"}, KnobValue{2, "every 2nd"}, KnobValue{4, "every 4th"}};
 constexpr std::array kHorizonUses{KnobValue{1, "traced"}, KnobValue{0, "off"}};
 constexpr std::array kCasterKinds{KnobValue{0, "beam"}, KnobValue{1, "embree"}, KnobValue{2, "grid"}};
+constexpr std::array kGridCells{KnobValue{1}, KnobValue{4}, KnobValue{16}};
 constexpr std::array kNearDistances{KnobValue{0}, KnobValue{25}, KnobValue{50}, KnobValue{100}, KnobValue{400}};
 constexpr std::array kOpacityKinds{KnobValue{2, "readback"}, KnobValue{1, "software"}};
 
@@ -80,6 +81,12 @@ const std::array kKnobs{
          kSubsamples, [](FrameSettings& s, double v) { s.horizon_subsample = int(v); }},
     Knob{"caster", "", "Who answers what is left over.", 0.0, kCasterKinds,
          [](FrameSettings& s, double v) { s.caster = CasterKind(int(v)); }},
+    Knob{"grid_cells", "a triangle", "Cells of the regular grid, where that answers what is left over.", 4.0,
+         kGridCells,
+         [](FrameSettings& s, double v) {
+             s.caster = CasterKind::grid;
+             s.grid_cells_per_item = float(v);
+         }},
     Knob{"near_distance", "m", "Cells nearer than this are rasterised by OpenGL.", 0.0, kNearDistances,
          [](FrameSettings& s, double v) { s.fixed_near_m = v; }, true},
     Knob{"opacity", "", "How the near field's covered pixels are found, at 50 m near distance.", 2.0, kOpacityKinds,

@@ -133,6 +133,7 @@ void plan_frame(const scene::StaticScene& scene, std::span<const scene::Instance
     reduce(camera, settings.resolution, plan);
     plan.dynamic = dynamic;
     plan.caster = settings.caster;
+    plan.grid_cells_per_item = settings.grid_cells_per_item;
     plan.max_parallax_px = settings.max_parallax_px;
     plan.panorama_density = settings.panorama_density;
     plan.panorama_edges = settings.panorama_edges;

@@ -191,7 +191,8 @@ std::uint64_t fill_panorama(const FramePlan& plan, const Tools& tools, const far
         const PinholeView view = panorama.face_view(face);
         {
             const TimedPass timed(stats, Pass::cast);
-            stats.rays += tools.casters.get(plan.caster).cast_tiles(view, texels, panorama.map()).rays;
+            stats.rays +=
+                tools.casters.get(plan.caster, plan.grid_cells_per_item).cast_tiles(view, texels, panorama.map()).rays;
         }
         {
             const TimedPass timed(stats, Pass::shade);
@@ -225,9 +226,9 @@ void look_up_panorama(const FramePlan& plan, const Tools& tools, const farfield:
 
 }  // namespace
 
-farfield::RayCaster& Casters::get(CasterKind kind) {
+farfield::RayCaster& Casters::get(CasterKind kind, double grid_cells_per_item) {
     auto& caster = casters_[std::size_t(kind)];
-    if (!caster) {
+    if (!caster || (kind == CasterKind::grid && grid_cells_per_item != grid_cells_per_item_)) {
         switch (kind) {
             case CasterKind::beam:
                 caster = farfield::make_beam_caster(scene_);
@@ -236,7 +237,8 @@ farfield::RayCaster& Casters::get(CasterKind kind) {
                 caster = farfield::make_embree_caster(scene_);
                 break;
             case CasterKind::grid:
-                caster = farfield::make_grid_caster(scene_);
+                caster = farfield::make_grid_caster(scene_, grid_cells_per_item);
+                grid_cells_per_item_ = grid_cells_per_item;
                 break;
         }
     }
@@ -312,7 +314,8 @@ FrameStats draw_view(const FramePlan& plan, const Tools& tools, FrameHistory& hi
     // Casts: everything that nothing cheaper has answered.
     {
         const TimedPass timed(stats, Pass::cast);
-        const CastCost cost = tools.casters.get(plan.caster).cast_tiles(plan.view, *casts, visibility);
+        const CastCost cost =
+            tools.casters.get(plan.caster, plan.grid_cells_per_item).cast_tiles(plan.view, *casts, visibility);
         stats.rays += cost.rays;
         stats.nodes_visited += cost.nodes;
         stats.triangles_tested += cost.triangles;

@@ -6,6 +6,7 @@
 
 #include "engine/budget/governor.h"
 #include "engine/farfield/panorama.h"
+#include "engine/farfield/ray_caster.h"
 
 namespace ff::frame {
 
@@ -24,6 +25,7 @@ enum class OpacityKind { automatic, software, readback };
 struct FrameSettings {
     Mode mode = Mode::hybrid;
     CasterKind caster = CasterKind::beam;
+    float grid_cells_per_item = float(farfield::kUsualGridCellsPerItem);  ///< of CasterKind::grid; (0, 64]
     double budget_ms = 0.0;  ///< 0: no limit, every pixel is right; else accuracy is given up to keep it
     budget::WhenLate when_late = budget::WhenLate::coarser;  ///< which accuracy
     std::optional<double> fixed_near_m;                      ///< instead of the controller's choice; [0, inf)
