@@ -5,8 +5,10 @@
 //           footprint on the triangle, but of no mip with less than 64 texels: those cannot hold a coverage any more
 //           (one texel is all or nothing), and distant trees would lose all leaves at once
 //   masked:  opaque where alpha >= cutoff
-//   blended: opaque where alpha >= a threshold hashed from (instance, triangle, texel), so that coverage is right on
-//            average and nothing flickers (Wyman, McGuire, "Hashed Alpha Testing", I3D 2017)
+//   blended: nearer to the eye than PinholeView::blend_within_m not there at all, being a transparent layer
+//            (layer_finder.h); farther away opaque where alpha >= a threshold hashed from (instance, triangle, texel),
+//            so that coverage is right on average and nothing flickers (Wyman, McGuire, "Hashed Alpha Testing", I3D
+//            2017)
 
 #include <algorithm>
 #include <bit>
@@ -62,6 +64,14 @@ struct AlphaSurface {
     h = (h ^ (h >> 12)) * 0x297A2D39u;
     h ^= h >> 15;
     return float((h >> 8) + 1u) * (1.0f / 16777216.0f);  // (0, 1]
+}
+
+/// Whether a hit is a transparent layer, which casters look past. A distance, not a depth along the view axis: it does
+/// not change as the viewer turns, so that panoramas may hold what lies beyond.
+/// @param distance_m  from the eye to the hit
+/// @param within_m    PinholeView::blend_within_m
+[[nodiscard]] inline bool is_layer(const AlphaSurface& surface, float distance_m, float within_m) {
+    return surface.is_blended && distance_m < within_m;
 }
 
 /// Whether the point with barycentrics (1 - b1 - b2, b1, b2) is there. Any float is answered.

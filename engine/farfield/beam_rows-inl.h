@@ -24,7 +24,7 @@ namespace {
 struct AlphaDraw {
     const scene::StaticScene& scene;
     std::uint32_t instance, triangle;
-    float pixel_angle;
+    const AlphaRays& rays;
     Vec3 corners[3];  // mesh space
     bool is_known = false;
     AlphaSurface surface;
@@ -52,9 +52,23 @@ HWY_INLINE VF threshold_of(std::uint32_t seed, VI x, VI y) {
     return hn::Mul(hn::ConvertTo(f, k), hn::Set(f, 1.0f / 16777216.0f));
 }
 
+// Squared ratio of distance to depth of the pixels at (x, y).
+HWY_INLINE VF squared_length(const AlphaRays& rays, VF x, VF y) {
+    const VF u = hn::MulAdd(x, hn::Set(f, rays.u_step), hn::Set(f, rays.u_middle));
+    const VF v = hn::MulAdd(y, hn::Set(f, rays.v_step), hn::Set(f, rays.v_middle));
+    return hn::MulAdd(u, u, hn::MulAdd(v, v, hn::Set(f, 1.0f)));
+}
+
+// is_layer() of alpha_test.h for blended hits.
+HWY_INLINE MF are_layers(const AlphaRays& rays, VF x, VF y, VF inverse_depth) {
+    const VF within = hn::Mul(inverse_depth, hn::Set(f, rays.blend_within_m));
+    return hn::Lt(squared_length(rays, x, y), hn::Mul(within, within));
+}
+
 // Switches off the lanes of `win` whose point is see-through: is_opaque_at() of alpha_test.h, operation by operation,
-// for a register of pixels. e: their edge functions.
-HWY_NOINLINE MF opaque_lanes(MF win, AlphaDraw& draw, const LeafScratch& s, int i, const VF (&e)[3], VF inverse_depth) {
+// for a register of pixels, and those of transparent layers. x, y: the pixels; e: their edge functions.
+HWY_NOINLINE MF opaque_lanes(MF win, AlphaDraw& draw, const LeafScratch& s, int i, VF x_at, VF y_at, const VF (&e)[3],
+                             VF inverse_depth) {
     if (!draw.is_known) {
         const scene::Instance& instance = draw.scene.instances[draw.instance];
         draw.surface = make_alpha_surface(draw.scene, instance, draw.instance, draw.triangle, draw.corners);
@@ -62,12 +76,16 @@ HWY_NOINLINE MF opaque_lanes(MF win, AlphaDraw& draw, const LeafScratch& s, int 
     }
     const AlphaSurface& surface = draw.surface;
     if (!surface.is_see_through) return win;
+    if (surface.is_blended && draw.rays.blend_within_m > 0.0f) {
+        win = hn::AndNot(are_layers(draw.rays, x_at, y_at, inverse_depth), win);
+        if (hn::AllFalse(f, win)) return win;
+    }
     const VF w0 = hn::Mul(e[0], hn::Set(f, s.weight[0][i])), w1 = hn::Mul(e[1], hn::Set(f, s.weight[1][i]));
     const VF w2 = hn::Mul(e[2], hn::Set(f, s.weight[2][i]));
     const VF inverse_sum = hn::Div(hn::Set(f, 1.0f), hn::Add(w0, hn::Add(w1, w2)));
     const VF b1 = hn::Mul(w1, inverse_sum), b2 = hn::Mul(w2, inverse_sum);
     const VF b0 = hn::Sub(hn::Sub(hn::Set(f, 1.0f), b1), b2);
-    const VF footprint = hn::Div(hn::Set(f, draw.pixel_angle), inverse_depth);
+    const VF footprint = hn::Div(hn::Set(f, draw.rays.pixel_angle), inverse_depth);
     const auto mix = [&](float v0, float v1, float v2) {
         return hn::Add(hn::Add(hn::Mul(hn::Set(f, v0), b0), hn::Mul(hn::Set(f, v1), b1)), hn::Mul(hn::Set(f, v2), b2));
     };
@@ -145,7 +163,7 @@ HWY_INLINE void draw(const LeafScratch& s, int i, std::uint32_t instance, std::u
                 win = hn::AndNot(hn::AndNot(hn::RebindMask(f, smaller), tie), win);
             }
             if constexpr (kAlpha) {
-                win = opaque_lanes(win, *alpha, s, i, e, inverse_depth);
+                win = opaque_lanes(win, *alpha, s, i, x, y, e, inverse_depth);
                 if (hn::AllFalse(f, win)) continue;
             }
             hn::Store(hn::IfThenElse(win, inverse_depth, best), f, best_at);

@@ -22,6 +22,8 @@ void main() {
 #ifdef SEE_THROUGH
     float alpha = v_alpha * material.base_color.a * caster_alpha(v_texcoord);
 #ifdef BLENDED
+    // A transparent layer (farfield/alpha_test.h).
+    if (length(vec3(ray_uv(gl_FragCoord.xy), 1.0)) < view.first.z * gl_FragCoord.w) discard;
     uint name = v_ids.z == 0xFFFFFFFFu ? triangle : scene_triangles[v_ids.z + triangle];
     float cutoff = hashed_threshold(v_ids.x, name, caster_texel(v_texcoord, v_barycentrics));
 #else
