@@ -293,9 +293,9 @@ class PacketCaster {
                 const AlphaSurface surface = make_alpha_surface(scene, instance, id, triangle);
                 const float pixel_angle = view_.pixel_angle();
                 for (std::size_t i = 0; i < hn::Lanes(df); ++i) {
-                    const bool is_hit = std::bit_cast<std::uint32_t>(opaque[i]) != 0 &&
-                                        !is_layer(surface, at[i], layer_depth(packet, int(lane + i)));
-                    opaque[i] = is_hit && is_opaque_at(surface, b1[i], b2[i], pixel_angle * at[i]) ? 1.0f : 0.0f;
+                    if (std::bit_cast<std::uint32_t>(opaque[i]) == 0) continue;
+                    const bool in_layer = is_in_layer(surface, at[i], layer_depth(packet, int(lane + i)));
+                    opaque[i] = is_opaque_at(surface, b1[i], b2[i], pixel_angle * at[i], in_layer) ? 1.0f : 0.0f;
                 }
                 hit = hn::Gt(hn::Load(df, opaque), zero);
                 if (hn::AllFalse(df, hit)) continue;

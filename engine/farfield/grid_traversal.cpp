@@ -81,8 +81,8 @@ void test_triangle(const GridWorld& world, std::uint32_t instance_id, std::uint3
     if (!(t >= 0.0f && t < hit.t)) return;
     if ((mesh.material_flags & (scene::kMaterialAlphaMask | scene::kMaterialBlend)) != 0) {
         const AlphaSurface surface = make_alpha_surface(scene, instance, instance_id, triangle);
-        if (is_layer(surface, t, cone.layer_depth)) return;
-        if (!is_opaque_at(surface, at_b / volume, at_c / volume, cone.pixel_angle * t)) return;
+        const bool in_layer = is_in_layer(surface, t, cone.layer_depth);
+        if (!is_opaque_at(surface, at_b / volume, at_c / volume, cone.pixel_angle * t, in_layer)) return;
     }
     hit = {instance_id, triangle, t};
 }

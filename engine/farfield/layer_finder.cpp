@@ -45,40 +45,6 @@ struct LayerSurface {
     }
 };
 
-// The two texels around a coordinate along a side of `size`, a power of two, and the weight of the second.
-struct Taps {
-    VI first, second;
-    VF weight;
-};
-HWY_INLINE Taps taps_along(VF coordinate, std::int32_t size, scene::Wrap wrap) {
-    VF c = coordinate;
-    if (wrap == scene::Wrap::repeat) {
-        c = hn::Sub(c, hn::Floor(c));
-    } else if (wrap == scene::Wrap::mirror) {
-        c = hn::Sub(c, hn::Mul(hn::Set(f, 2.0f), hn::Floor(hn::Mul(hn::Set(f, 0.5f), c))));
-    } else {  // not-a-number becomes 0
-        c = hn::Min(hn::Max(c, hn::Zero(f)), hn::Set(f, 1.0f));
-    }
-    const VF at = hn::MulSub(c, hn::Set(f, float(size)), hn::Set(f, 0.5f));
-    const VF below = hn::Floor(at);
-    const VI texel = hn::ConvertTo(si, below);
-    const auto wrapped = [&](VI i) HWY_ATTR {
-        const VI last = hn::Set(si, size - 1);
-        if (wrap == scene::Wrap::repeat) return hn::And(i, last);
-        if (wrap == scene::Wrap::mirror) {
-            const VI phase = hn::And(i, hn::Set(si, 2 * size - 1));
-            return hn::Min(phase, hn::Sub(hn::Set(si, 2 * size - 1), phase));
-        }
-        return hn::Min(hn::Max(i, hn::Zero(si)), last);
-    };
-    return {wrapped(texel), wrapped(hn::Add(texel, hn::Set(si, 1))), hn::Sub(at, below)};
-}
-
-HWY_INLINE VF alpha_of(const std::uint32_t* level, VI index) {
-    const VI texel = hn::GatherIndex(si, reinterpret_cast<const std::int32_t*>(level), index);
-    return hn::ConvertTo(f, hn::BitCast(si, hn::ShiftRight<24>(hn::BitCast(ui, texel))));
-}
-
 HWY_INLINE VF mix(VF a, VF b, VF t) {
     return hn::MulAdd(t, hn::Sub(b, a), a);
 }
@@ -223,12 +189,13 @@ HWY_NOINLINE void collect_leaf(const scene::StaticScene& scene, const BeamView& 
 // Where each pixel's search ends.
 HWY_INLINE void bound_pixels(const AlphaRays& rays, const TileRequest& request, const VisibilityBuffer& visible,
                              Tile& tile) {
+    constexpr float kNearer = 1.000002f;  // what is seen may be the solid part of a layer: it is not found again
     const VF per_within = hn::Set(f, 1.0f / rays.blend_within_m);
     for (int row = 0; row < kTileSize; ++row) {
         const float* depth_at = visible.depth.data() + visible.index(request.x, request.y + row);
         for (int chunk = 0; chunk < kTileSize; chunk += kLanes) {
             float* best = tile.best + row * 16 + chunk;
-            const VF seen = hn::Div(hn::Set(f, 1.0f), hn::LoadU(f, depth_at + chunk));
+            const VF seen = hn::Div(hn::Set(f, kNearer), hn::LoadU(f, depth_at + chunk));
             const VF x = hn::Iota(f, float(chunk) - kHalf), y = hn::Set(f, float(row) - kHalf);
             const VF within = hn::Mul(hn::Sqrt(squared_length(rays, x, y)), per_within);
             hn::Store(hn::Max(hn::Max(seen, within), hn::Load(f, best)), f, best);

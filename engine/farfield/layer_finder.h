@@ -20,9 +20,6 @@ struct Layer {
     std::uint32_t pixel;               ///< row * kTileSize + column in the tile
 };
 
-/// Coverages nearer to 0 or 1 than this, half a step of 8 bits, are 0 or 1.
-inline constexpr float kAlphaStep = 0.5f / 255.0f;
-
 /// What is searched.
 struct LayerScene {
     const scene::StaticScene& scene;

@@ -22,12 +22,17 @@ void main() {
 #ifdef SEE_THROUGH
     float alpha = v_alpha * material.base_color.a * caster_alpha(v_texcoord);
 #ifdef BLENDED
-    // A transparent layer (farfield/alpha_test.h).
-    if (length(vec3(ray_uv(gl_FragCoord.xy), 1.0)) < view.first.z * gl_FragCoord.w) discard;
     uint name = v_ids.z == 0xFFFFFFFFu ? triangle : scene_triangles[v_ids.z + triangle];
     float cutoff = hashed_threshold(v_ids.x, name, caster_texel(v_texcoord, v_barycentrics));
 #else
     float cutoff = material.emissive_cutoff.w;
+#endif
+#ifdef BLENDED
+    // Of a transparent layer only what is solid.
+    bool in_layer = length(vec3(ray_uv(gl_FragCoord.xy), 1.0)) < view.first.z * gl_FragCoord.w;
+    if (in_layer) {
+        if (v_alpha * material.base_color.a <= 1.0 - 0.5 / 255.0 || !caster_is_filled(v_texcoord)) discard;
+    } else
 #endif
     if (alpha < cutoff) discard;
 #endif
