@@ -88,8 +88,8 @@ inline constexpr float kAlphaStep = 0.5f / 255.0f;
     return ((upper[x.first] & upper[x.second] & lower[x.first] & lower[x.second]) >> 24) == 255u;
 }
 
-/// Whether a hit belongs to a transparent layer, unless it is solid. A distance, not a depth along the view axis: it does
-/// not change as the viewer turns, so that panoramas may hold what lies beyond.
+/// Whether a hit belongs to a transparent layer, unless it is solid. A distance, not a depth along the view axis: it
+/// does not change as the viewer turns, so that panoramas may hold what lies beyond.
 /// @param distance_m  from the eye to the hit
 /// @param within_m    PinholeView::blend_within_m
 [[nodiscard]] inline bool is_in_layer(const AlphaSurface& surface, float distance_m, float within_m) {

@@ -87,8 +87,8 @@ HWY_INLINE VF threshold_of(std::uint32_t seed, VI x, VI y) {
 }
 
 // Whether the four texels around a point have an alpha of 1.
-HWY_INLINE MF all_four_filled(const std::uint32_t* texels, std::int32_t width, VF u, VF v, const scene::Texture& texture,
-                              std::int32_t level) {
+HWY_INLINE MF all_four_filled(const std::uint32_t* texels, std::int32_t width, VF u, VF v,
+                              const scene::Texture& texture, std::int32_t level) {
     const Taps x = taps_along(u, width, texture.wrap_u);
     const Taps y = taps_along(v, std::int32_t(std::max(1u, texture.height >> level)), texture.wrap_v);
     const VI upper = hn::Mul(y.first, hn::Set(si, width)), lower = hn::Mul(y.second, hn::Set(si, width));

@@ -149,7 +149,8 @@ HWY_INLINE VF farthest_under(VF x0, VF x1, VF y0, VF y1, const Tile& tile) {
 // Sets up kLanes triangles from `first` on; returns those that may win a pixel, as bits.
 // @tparam kProjected  every vertex of the leaf can be projected.
 // @tparam kDirect     the leaf's vertices lie as registers need them.
-// @tparam kWidened    edge functions are stored widened by their rounding error; else as they are: those of an edge that
+// @tparam kWidened    edge functions are stored widened by their rounding error; else as they are: those of an edge
+// that
 //                     two triangles share are then exactly opposite, so that a pixel can be given to one of the two.
 template <bool kProjected, bool kDirect, bool kWidened = true>
 HWY_NOINLINE std::uint32_t set_up(const BvhLeaf& leaf, int first, const Tile& tile, LeafScratch& s) {

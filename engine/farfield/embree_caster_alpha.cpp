@@ -28,8 +28,10 @@ void filter_see_through(const RTCFilterFunctionNArguments* arguments) {
         const float footprint_m = cast.pixel_angle * depth;
         bool in_layer = false;
         if (cast.blend_within_m > 0.0f && surface.is_blended) {
-            const Vec3 direction(RTCRayN_dir_x(arguments->ray, count, lane), RTCRayN_dir_y(arguments->ray, count, lane),
-                                 RTCRayN_dir_z(arguments->ray, count, lane));
+            // Instanced geometry gets the ray in its own space.
+            Vec3 direction(RTCRayN_dir_x(arguments->ray, count, lane), RTCRayN_dir_y(arguments->ray, count, lane),
+                           RTCRayN_dir_z(arguments->ray, count, lane));
+            if (placed != RTC_INVALID_GEOMETRY_ID) direction = scene.instances[instance].world_from_mesh * direction;
             in_layer = is_in_layer(surface, depth * glm::length(direction), cast.blend_within_m);
         }
         if (!is_opaque_at(surface, RTCHitN_u(arguments->hit, count, lane), RTCHitN_v(arguments->hit, count, lane),

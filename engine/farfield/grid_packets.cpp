@@ -326,7 +326,8 @@ class PacketCaster {
         for (int lane = 0; lane < pixels.count; ++lane) {
             const Vec3 d(packet.world.axis[0][lane], packet.world.axis[1][lane], packet.world.axis[2][lane]);
             CastCost one;
-            const RayHit hit = cast_ray(world_, {view_.position, d}, {view_.pixel_angle(), layer_depth(packet, lane)}, one);
+            const RayHit hit =
+                cast_ray(world_, {view_.position, d}, {view_.pixel_angle(), layer_depth(packet, lane)}, one);
             cost.nodes += one.nodes;
             cost.triangles += one.triangles;
             packet.instance[lane] = hit.instance;

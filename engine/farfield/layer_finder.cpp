@@ -70,8 +70,10 @@ HWY_INLINE VF filtered_alpha(const AlphaSurface& surface, MF win, VF u, VF v, VF
         const Taps x = taps_along(u, width, texture.wrap_u), y = taps_along(v, height, texture.wrap_v);
         const std::uint32_t* first = surface.texels + scene::level_offset(texture, std::uint32_t(level));
         const VI upper = hn::Mul(y.first, hn::Set(si, width)), lower = hn::Mul(y.second, hn::Set(si, width));
-        const VF above = mix(alpha_of(first, hn::Add(upper, x.first)), alpha_of(first, hn::Add(upper, x.second)), x.weight);
-        const VF below = mix(alpha_of(first, hn::Add(lower, x.first)), alpha_of(first, hn::Add(lower, x.second)), x.weight);
+        const VF above =
+            mix(alpha_of(first, hn::Add(upper, x.first)), alpha_of(first, hn::Add(upper, x.second)), x.weight);
+        const VF below =
+            mix(alpha_of(first, hn::Add(lower, x.first)), alpha_of(first, hn::Add(lower, x.second)), x.weight);
         alpha = hn::IfThenElse(here, mix(above, below, y.weight), alpha);
     }
     return hn::Mul(alpha, hn::Set(f, 1.0f / 255.0f));
@@ -122,9 +124,8 @@ HWY_INLINE void collect(const scene::StaticScene& scene, const BeamView& view, c
     const MF owns0 = owns_edge(a0, b0), owns1 = owns_edge(a1, b1), owns2 = owns_edge(a2, b2);
     const VF gx = hn::Set(f, s.gx[i]), gy = hn::Set(f, s.gy[i]), g0 = hn::Set(f, s.g0[i]);
     const VF low = hn::Set(f, s.low[i]), high = hn::Set(f, s.high[i]), zero = hn::Zero(f);
-    const auto is_inside = [&](VF e, MF owns) HWY_ATTR {
-        return hn::Or(hn::Gt(e, zero), hn::And(owns, hn::Eq(e, zero)));
-    };
+    const auto is_inside = [&](VF e, MF owns)
+                               HWY_ATTR { return hn::Or(hn::Gt(e, zero), hn::And(owns, hn::Eq(e, zero))); };
     const LayerSurface* surface = nullptr;
     alignas(LayerSurface) std::byte room[sizeof(LayerSurface)];
     for (int row = s.y0[i]; row <= s.y1[i]; ++row) {
@@ -149,8 +150,7 @@ HWY_INLINE void collect(const scene::StaticScene& scene, const BeamView& view, c
                 }
                 surface = new (room) LayerSurface(scene, instance, triangle, corners, view.view);
             }
-            const VF alpha =
-                coverage(*surface, before, s, i, e, inverse_depth, squared_length(rays, x, y));
+            const VF alpha = coverage(*surface, before, s, i, e, inverse_depth, squared_length(rays, x, y));
             const MF shows = hn::And(before, hn::Ge(alpha, hn::Set(f, kAlphaStep)));
             const MF opaque = hn::And(shows, hn::Gt(alpha, hn::Set(f, 1.0f - kAlphaStep)));
             alignas(64) float alphas[16], depths[16];
@@ -258,12 +258,13 @@ std::size_t FindLayers(const LayerScene& layers, const BeamView& view, const Til
     if (!layers.index.instance_children.empty())
         search(layers.scene, 0,
                [&](std::uint32_t node) { return std::uint32_t(layers.index.instance_children[node]); });
-    if (layers.dynamic != nullptr)
-        search(*layers.dynamic, std::uint32_t(layers.scene.instances.size()), AllChildren{});
+    if (layers.dynamic != nullptr) search(*layers.dynamic, std::uint32_t(layers.scene.instances.size()), AllChildren{});
 
     // What was found before something opaque nearer than it.
     if (found.count > out.size()) return found.count;
-    const auto hidden = [&](const Layer& layer) { return 1.0f / layer.depth < tile.best[layer.pixel] * (1.0f - 1e-6f); };
+    const auto hidden = [&](const Layer& layer) {
+        return 1.0f / layer.depth < tile.best[layer.pixel] * (1.0f - 1e-6f);
+    };
     return std::size_t(std::remove_if(out.begin(), out.begin() + std::ptrdiff_t(found.count), hidden) - out.begin());
 }
 

@@ -1,8 +1,8 @@
 #pragma once
 // Transparent layers: the blended surfaces between the eye and what a pixel sees, nearer than
 // PinholeView::blend_within_m. Found as beams find the opaque ones (beam_caster.h), a tile at a time through the same
-// hierarchies, of which only the parts with blended triangles are entered; what the pixels see bounds the search, as does
-// every layer that turns out to be opaque.
+// hierarchies, of which only the parts with blended triangles are entered; what the pixels see bounds the search, as
+// does every layer that turns out to be opaque.
 
 #include <cstdint>
 #include <span>
@@ -24,8 +24,8 @@ struct Layer {
 struct LayerScene {
     const scene::StaticScene& scene;
     const LayerIndex& index;
-    /// The scene with its moving instances, and a hierarchy over them, in place of the others; null: nothing moves. They
-    /// are numbered from the scene's instance count on.
+    /// The scene with its moving instances, and a hierarchy over them, in place of the others; null: nothing moves.
+    /// They are numbered from the scene's instance count on.
     const scene::StaticScene* dynamic = nullptr;
 };
 

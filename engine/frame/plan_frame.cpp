@@ -78,9 +78,8 @@ void look_ahead(const scene::StaticScene& scene, const FramePlan& plan, const Fr
 }
 
 bool has_blended_materials(const scene::StaticScene& scene) {
-    return std::any_of(scene.materials.begin(), scene.materials.end(), [](const scene::Material& material) {
-        return (material.flags & scene::kMaterialBlend) != 0;
-    });
+    return std::any_of(scene.materials.begin(), scene.materials.end(),
+                       [](const scene::Material& material) { return (material.flags & scene::kMaterialBlend) != 0; });
 }
 
 /// Draws the frame smaller. Whole pixels, at least one.

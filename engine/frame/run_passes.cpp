@@ -167,8 +167,8 @@ void blend_layers(const FramePlan& plan, const Tools& tools, FrameHistory& histo
     const TimedPass timed(stats, Pass::blend);
     const farfield::LayerScene layers{tools.scene, tools.layer_index,
                                       plan.dynamic.empty() ? nullptr : &tools.dynamic_overlay.moving()};
-    stats.layers = shading::blend_layers(layers, plan.view, history.visibility, history.all_tiles,
-                                         shade_settings(plan), history.layers, image);
+    stats.layers = shading::blend_layers(layers, plan.view, history.visibility, history.all_tiles, shade_settings(plan),
+                                         history.layers, image);
 }
 
 /// The map for frames like this one, told where the viewer stands.

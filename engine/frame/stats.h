@@ -8,11 +8,22 @@
 namespace ff::frame {
 
 /// The passes in the order in which they run; the one list of their names.
-enum class Pass : std::uint8_t { plan, near_field, opacity, horizon, panorama, cast, shade, store, blend, upscale, present };
+enum class Pass : std::uint8_t {
+    plan,
+    near_field,
+    opacity,
+    horizon,
+    panorama,
+    cast,
+    shade,
+    store,
+    blend,
+    upscale,
+    present
+};
 inline constexpr std::size_t kPassCount = 11;
-inline constexpr std::array<std::string_view, kPassCount> kPassNames{"plan", "near",  "opacity", "horizon", "panorama",
-                                                                     "cast", "shade", "store",   "blend",   "upscale",
-                                                                     "present"};
+inline constexpr std::array<std::string_view, kPassCount> kPassNames{
+    "plan", "near", "opacity", "horizon", "panorama", "cast", "shade", "store", "blend", "upscale", "present"};
 
 /// Pixels by how they came to be (P0 Figure 11); they add up to the image as it was drawn.
 struct PixelCounts {

@@ -29,34 +29,50 @@ bool is_behind(const Layer& a, const Layer& b) {
     return a.instance != b.instance ? a.instance > b.instance : a.triangle > b.triangle;
 }
 
-/// The layers of one tile by pixel, each pixel's from back to front.
+/// The layers of one tile by pixel, each pixel's from back to front, without those that cannot be seen.
 class SortedLayers {
   public:
     /// @param layers  any order; at most kMaxTileLayers
     void sort(std::span<const Layer> layers) {
-        first_.fill(0);
-        for (const Layer& layer : layers) ++first_[layer.pixel + 1];
-        for (std::size_t pixel = 0; pixel < kTilePixels; ++pixel) first_[pixel + 1] += first_[pixel];
-        std::array<std::uint32_t, kTilePixels> end;
-        std::copy_n(first_.begin(), kTilePixels, end.begin());
+        end_.fill(0);
+        for (const Layer& layer : layers) ++end_[layer.pixel];
+        std::uint32_t sum = 0;
+        for (std::size_t pixel = 0; pixel < kTilePixels; ++pixel) {
+            next_[pixel] = sum;
+            sum += end_[pixel];
+            end_[pixel] = next_[pixel];
+        }
         for (const Layer& layer : layers) {  // insertion: a pixel has few
-            std::uint32_t at = end[layer.pixel]++;
-            for (; at > first_[layer.pixel] && is_behind(layer, sorted_[at - 1]); --at) sorted_[at] = sorted_[at - 1];
+            std::uint32_t at = end_[layer.pixel]++;
+            for (; at > next_[layer.pixel] && is_behind(layer, sorted_[at - 1]); --at) sorted_[at] = sorted_[at - 1];
             sorted_[at] = layer;
+        }
+        pixel_count_ = 0;
+        for (std::size_t pixel = 0; pixel < kTilePixels; ++pixel) {
+            float through = 1.0f;
+            std::uint32_t shown = end_[pixel];
+            while (shown > next_[pixel] && through >= kOpaque) through *= 1.0f - sorted_[--shown].alpha;
+            next_[pixel] = shown;
+            if (shown != end_[pixel]) pixels_[pixel_count_++] = std::uint8_t(pixel);
         }
     }
 
-    /// Those of a pixel that can be seen.
-    [[nodiscard]] std::span<const Layer> of_pixel(std::size_t pixel) const {
-        const std::span<const Layer> all(&sorted_[first_[pixel]], first_[pixel + 1] - first_[pixel]);
-        float through = 1.0f;
-        std::size_t shown = all.size();
-        while (shown > 0 && through >= kOpaque) through *= 1.0f - all[--shown].alpha;
-        return all.subspan(shown);
+    /// Pixels that have layers left.
+    [[nodiscard]] std::span<const std::uint8_t> pixels() const { return {pixels_.data(), pixel_count_}; }
+    /// The farthest that a pixel has left.
+    [[nodiscard]] const Layer& farthest(std::size_t pixel) const { return sorted_[next_[pixel]]; }
+    /// Takes the farthest off every pixel.
+    void peel() {
+        std::size_t kept = 0;
+        for (const std::uint8_t pixel : pixels())
+            if (++next_[pixel] != end_[pixel]) pixels_[kept++] = pixel;
+        pixel_count_ = kept;
     }
 
   private:
-    std::array<std::uint32_t, kTilePixels + 1> first_;
+    std::array<std::uint32_t, kTilePixels> next_, end_;  ///< per pixel, into sorted_
+    std::array<std::uint8_t, kTilePixels> pixels_;
+    std::size_t pixel_count_ = 0;
     std::array<Layer, farfield::kMaxTileLayers> sorted_;
 };
 
@@ -106,37 +122,30 @@ class TileBlender {
         return true;
     }
 
-    /// Rounds from the back: in each, every pixel with layers left has its next one shaded and blended.
+    /// Rounds from the back: in each, every pixel with layers left has its farthest one shaded and blended.
     std::uint64_t shade(const TileRequest& tile) {
+        const auto index_of = [&](std::uint8_t pixel) {
+            return visible_.index(tile.x + pixel % kTileSize, tile.y + pixel / kTileSize);
+        };
         std::uint64_t shaded = 0;
-        for (std::size_t round = 0;; ++round) {
+        for (; !sorted_.pixels().empty(); sorted_.peel()) {
             TileRequest wanted{tile.x, tile.y, {}};
-            std::uint64_t count = 0;
-            for_layers(tile, round, [&](std::size_t at, int row, int column, const Layer& layer) {
+            for (const std::uint8_t pixel : sorted_.pixels()) {
+                const Layer& layer = sorted_.farthest(pixel);
+                const std::size_t at = index_of(pixel);
                 shared_.visibility.instance[at] = layer.instance;
                 shared_.visibility.triangle[at] = layer.triangle;
                 shared_.visibility.depth[at] = layer.depth;
-                wanted.rows[row] = std::uint16_t(wanted.rows[row] | (1u << column));
-                ++count;
-            });
-            if (count == 0) return shaded;
-            shaded += shade_tile_batch(frame_, {&wanted, 1}, tile_scratch_);
-            for_layers(tile, round, [&](std::size_t at, int, int, const Layer& layer) {
-                out_.pixels[at] = blend(out_.pixels[at], shared_.image.pixels[at], layer.alpha);
-            });
-        }
-    }
-
-    /// Calls visit(index in the view's buffers, row, column, layer) for the pixels that have a layer in this round.
-    template <class Visit>
-    void for_layers(const TileRequest& tile, std::size_t round, Visit&& visit) {
-        for (int row = 0; row < kTileSize; ++row)
-            for (std::uint32_t bits = tile.rows[row]; bits != 0; bits &= bits - 1) {
-                const int column = std::countr_zero(bits);
-                const auto layers = sorted_.of_pixel(std::size_t(row * kTileSize + column));
-                if (round < layers.size())
-                    visit(visible_.index(tile.x + column, tile.y + row), row, column, layers[round]);
+                std::uint16_t& row = wanted.rows[pixel / kTileSize];
+                row = std::uint16_t(row | (1u << pixel % kTileSize));
             }
+            shaded += shade_tile_batch(frame_, {&wanted, 1}, tile_scratch_);
+            for (const std::uint8_t pixel : sorted_.pixels()) {
+                const std::size_t at = index_of(pixel);
+                out_.pixels[at] = blend(out_.pixels[at], shared_.image.pixels[at], sorted_.farthest(pixel).alpha);
+            }
+        }
+        return shaded;
     }
 
     const farfield::LayerScene& scene_;
@@ -177,12 +186,8 @@ std::uint64_t blend_layers(const farfield::LayerScene& scene, const PinholeView&
     scratch.fit(visible);
     const std::span<const scene::Instance> dynamic =
         scene.dynamic != nullptr ? scene.dynamic->instances : std::span<const scene::Instance>();
-    const ShadeFrame frame{scene.scene,
-                           dynamic,
-                           view,
-                           scratch.visibility,
-                           settings,
-                           make_uniforms(scene.scene.environment, view.pixel_angle()),
+    const ShadeFrame frame{scene.scene,        dynamic,  view,
+                           scratch.visibility, settings, make_uniforms(scene.scene.environment, view.pixel_angle()),
                            scratch.image};
     const farfield::beam::BeamView beam_view(view);
     std::atomic<std::uint64_t> shaded{0};

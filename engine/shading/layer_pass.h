@@ -1,6 +1,6 @@
 #pragma once
-// Transparent layers over a shaded image: found (farfield/layer_finder.h), sorted per pixel, shaded by the model that all
-// surfaces share, and blended from back to front.
+// Transparent layers over a shaded image: found (farfield/layer_finder.h), sorted per pixel, shaded by the model that
+// all surfaces share, and blended from back to front.
 
 #include <cstdint>
 #include <span>
