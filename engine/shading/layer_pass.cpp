@@ -3,7 +3,6 @@
 #include <array>
 #include <atomic>
 #include <bit>
-#include <cmath>
 
 #include "engine/core/check.h"
 #include "engine/core/jobs.h"
@@ -78,7 +77,7 @@ class SortedLayers {
 
 /// A layer over a colour, RGBA8.
 std::uint32_t blend(std::uint32_t below, std::uint32_t layer, float alpha) {
-    const auto weight = std::uint32_t(std::lround(alpha * 65536.0f));
+    const auto weight = std::uint32_t(alpha * 65536.0f + 0.5f);
     std::uint32_t out = 0xFF000000u;
     for (int shift = 0; shift < 24; shift += 8) {
         const std::uint32_t a = layer >> shift & 255u, b = below >> shift & 255u;
