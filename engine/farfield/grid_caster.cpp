@@ -48,7 +48,7 @@ class GridCaster final : public RayCaster {
         CastCostSum cost;
         parallel_ranges(rays.size(), kRaysPerTask, [&](std::size_t begin, std::size_t end) {
             CastCost sum;
-            for (std::size_t i = begin; i < end; ++i) hits[i] = grid::cast_ray(world_, rays[i], 0.0f, sum);
+            for (std::size_t i = begin; i < end; ++i) hits[i] = grid::cast_ray(world_, rays[i], grid::RayCone{}, sum);
             cost.add(sum);
         });
         return cost.total();

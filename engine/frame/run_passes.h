@@ -33,6 +33,7 @@ struct Tools {
     Casters& casters;
     const visibility::Culler& culler;
     DynamicOverlay& dynamic_overlay;
+    const farfield::LayerIndex& layer_index;
     nearfield::NearRenderer* near_renderer = nullptr;
 };
 
