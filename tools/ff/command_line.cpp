@@ -129,6 +129,13 @@ int run(int argc, const char* const* argv) {
     bench_app->add_option("--frames", bench.max_frames, "Only the first N frames of the walk; 0: all")
         ->check(CLI::Range(0, 1000000));
 
+    HardcasesOptions hardcases;
+    auto* hardcases_app = app.add_subcommand("hardcases", "Run the hard cases against their oracles and print a table");
+    hardcases_app->add_option("--case", hardcases.name, "Only this case, or those of a group: its name up to the dot");
+    hardcases_app->add_option("--instances", hardcases.instances, "Instances of each case; 0: those of a full run");
+    hardcases_app->add_option("--seed", hardcases.seed, "Seed of the random instances")->capture_default_str();
+    hardcases_app->add_flag("--json", hardcases.json, "Print one JSON object on stdout");
+
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {
@@ -148,6 +155,7 @@ int run(int argc, const char* const* argv) {
     if (*render_app) status = with_workers(render.view.threads, [&] { return run_render(render); });
     if (*walk_app) status = with_workers(walk.view.threads, [&] { return run_walk(walk); });
     if (*bench_app) status = with_workers(bench.view.threads, [&] { return run_bench(bench); });
+    if (*hardcases_app) status = run_hardcases(hardcases);
     if (status) return 0;
     log_line("ff: error: ", status.error().message);
     return static_cast<int>(status.error().kind);

@@ -1,0 +1,43 @@
+// The table: what each case is held to. A bound that is not 0 is what was measured, rounded up, with its reason beside
+// it in docs/hard-cases.md.
+
+#include "tests/hardcases/cases.h"
+
+namespace ff::hardcases {
+namespace {
+
+constexpr std::string_view kRaysThrough =
+    "rays exactly through edges and vertices of closed meshes, from inside and outside: none passes";
+constexpr std::string_view kPixelsOn =
+    "pixel centres exactly on edges and vertices of a closed mesh: no leak, the right triangle, its depth";
+constexpr std::string_view kOnSurface = "exact: the point lies on the surface";
+constexpr std::string_view kWholeNumbers = "exact: edge functions in whole numbers";
+
+constexpr HardCase kCases[] = {
+    {"rays_through_edges.beam", kRaysThrough, kOnSurface, "of the distance", 1000000, 0, 1e-4, 1.5,
+     rays_through_edges<Subject::beam>},
+    {"rays_through_edges.embree", kRaysThrough, kOnSurface, "of the distance", 1000000, 0, 1e-4, 1.5,
+     rays_through_edges<Subject::embree>},
+    {"rays_through_edges.embree_fast", kRaysThrough, kOnSurface, "of the distance", 1000000, 0, 1e-4, 1.5,
+     rays_through_edges<Subject::embree_fast>},
+    {"rays_through_edges.grid", kRaysThrough, kOnSurface, "of the distance", 1000000, 0, 1e-4, 1.5,
+     rays_through_edges<Subject::grid>},
+    {"pixels_on_edges.beam", kPixelsOn, kWholeNumbers, "of the depth", 1000000, 0, 1e-5, 1.5,
+     pixels_on_edges<Subject::beam>},
+    {"pixels_on_edges.embree", kPixelsOn, kWholeNumbers, "of the depth", 1000000, 0, 1e-5, 1.5,
+     pixels_on_edges<Subject::embree>},
+    {"pixels_on_edges.embree_fast", kPixelsOn, kWholeNumbers, "of the depth", 1000000, 0, 1e-5, 1.5,
+     pixels_on_edges<Subject::embree_fast>},
+    {"pixels_on_edges.grid", kPixelsOn, kWholeNumbers, "of the depth", 1000000, 0, 1e-5, 1.5,
+     pixels_on_edges<Subject::grid>},
+    {"pixels_of_tiles.beam", "tiles asked in two parts that share no pixel: each answers its own, as the whole does",
+     "exact: the whole image", "", 1000000, 0, 0, 0, pixels_of_tiles},
+};
+
+}  // namespace
+
+std::span<const HardCase> all_cases() {
+    return kCases;
+}
+
+}  // namespace ff::hardcases

@@ -1,0 +1,16 @@
+#pragma once
+// The functions behind the table, one file per subject; each makes instances until the trial has enough.
+
+#include "tests/hardcases/hard_case.h"
+#include "tests/hardcases/subjects.h"
+
+namespace ff::hardcases {
+
+// edges_and_vertices.cpp
+template <Subject kSubject>
+void rays_through_edges(Trial& trial);
+template <Subject kSubject>
+void pixels_on_edges(Trial& trial);
+void pixels_of_tiles(Trial& trial);
+
+}  // namespace ff::hardcases
