@@ -12,6 +12,10 @@ constexpr std::string_view kPixelsOn =
     "pixel centres exactly on edges and vertices of a closed mesh: no leak, the right triangle, its depth";
 constexpr std::string_view kOnSurface = "exact: the point lies on the surface";
 constexpr std::string_view kWholeNumbers = "exact: edge functions in whole numbers";
+constexpr std::string_view kAxisParallel =
+    "rays along axes and in planes, with zeros of either sign and denormals, from cell faces, edges and corners";
+constexpr std::string_view kFarOutside = "rays from 10,000 km outside the world hit what they are aimed at";
+constexpr std::string_view kSlabs = "double: the boxes as slabs";
 
 constexpr HardCase kCases[] = {
     {"rays_through_edges.beam", kRaysThrough, kOnSurface, "of the distance", 1000000, 0, 1e-4, 1.5,
@@ -32,6 +36,14 @@ constexpr HardCase kCases[] = {
      pixels_on_edges<Subject::grid>},
     {"pixels_of_tiles.beam", "tiles asked in two parts that share no pixel: each answers its own, as the whole does",
      "exact: the whole image", "", 1000000, 0, 0, 0, pixels_of_tiles},
+
+    {"axis_parallel_rays.beam", kAxisParallel, kSlabs, "", 1000000, 0, 0, 1.5, axis_parallel_rays<Subject::beam>},
+    {"axis_parallel_rays.embree", kAxisParallel, kSlabs, "", 1000000, 0, 0, 1.5, axis_parallel_rays<Subject::embree>},
+    {"axis_parallel_rays.grid", kAxisParallel, kSlabs, "", 1000000, 0, 0, 1.5, axis_parallel_rays<Subject::grid>},
+    {"rays_from_far_outside.beam", kFarOutside, kSlabs, "", 1000000, 0, 0, 1.5, rays_from_far_outside<Subject::beam>},
+    {"rays_from_far_outside.embree", kFarOutside, kSlabs, "", 1000000, 0, 0, 1.5,
+     rays_from_far_outside<Subject::embree>},
+    {"rays_from_far_outside.grid", kFarOutside, kSlabs, "", 1000000, 0, 0, 1.5, rays_from_far_outside<Subject::grid>},
 };
 
 }  // namespace

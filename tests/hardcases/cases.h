@@ -13,4 +13,10 @@ template <Subject kSubject>
 void pixels_on_edges(Trial& trial);
 void pixels_of_tiles(Trial& trial);
 
+// rays_and_grids.cpp
+template <Subject kSubject>
+void axis_parallel_rays(Trial& trial);
+template <Subject kSubject>
+void rays_from_far_outside(Trial& trial);
+
 }  // namespace ff::hardcases
