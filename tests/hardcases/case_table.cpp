@@ -16,6 +16,16 @@ constexpr std::string_view kAxisParallel =
     "rays along axes and in planes, with zeros of either sign and denormals, from cell faces, edges and corners";
 constexpr std::string_view kFarOutside = "rays from 10,000 km outside the world hit what they are aimed at";
 constexpr std::string_view kSlabs = "double: the boxes as slabs";
+constexpr std::string_view kSlivers =
+    "slivers of aspect 1e-7 along pixel centres before a wall: the wall, or the sliver where it is and as far as it is";
+constexpr std::string_view kLine = "double: the sliver as a line";
+constexpr std::string_view kDuplicates = "triangles several times and ones without area: the nearest real one shows";
+constexpr std::string_view kBruteForce = "long double: every triangle";
+constexpr std::string_view kWinner = "coincident triangles and instances: the same wins with one worker and with two";
+constexpr std::string_view kRepeated = "exact: the other picture";
+constexpr std::string_view kHuge = "chips of 1 mm over triangles of 10,000 km, in one mesh";
+constexpr std::string_view kDepths =
+    "sheets from 1 cm to 10,000 km in one frame, in order, each with one 0.1% behind it";
 
 constexpr HardCase kCases[] = {
     {"rays_through_edges.beam", kRaysThrough, kOnSurface, "of the distance", 1000000, 0, 1e-4, 1.5,
@@ -44,6 +54,29 @@ constexpr HardCase kCases[] = {
     {"rays_from_far_outside.embree", kFarOutside, kSlabs, "", 1000000, 0, 0, 1.5,
      rays_from_far_outside<Subject::embree>},
     {"rays_from_far_outside.grid", kFarOutside, kSlabs, "", 1000000, 0, 0, 1.5, rays_from_far_outside<Subject::grid>},
+
+    {"slivers.beam", kSlivers, kLine, "of the depth", 500000, 0, 1e-4, 1.5, slivers<Subject::beam>},
+    {"slivers.embree", kSlivers, kLine, "of the depth", 500000, 0, 1e-4, 1.5, slivers<Subject::embree>},
+    {"slivers.grid", kSlivers, kLine, "of the depth", 500000, 0, 1e-4, 1.5, slivers<Subject::grid>},
+
+    {"duplicates.beam", kDuplicates, kBruteForce, "of the depth", 200000, 0, 1e-4, 1.5, duplicates<Subject::beam>},
+    {"duplicates.embree", kDuplicates, kBruteForce, "of the depth", 200000, 0, 1e-4, 1.5, duplicates<Subject::embree>},
+    {"duplicates.grid", kDuplicates, kBruteForce, "of the depth", 200000, 0, 1e-4, 1.5, duplicates<Subject::grid>},
+
+    {"coincident_winner.beam", kWinner, kRepeated, "", 500000, 0, 0, 0, coincident_winner<Subject::beam>},
+    {"coincident_winner.embree", kWinner, kRepeated, "", 500000, 0, 0, 0, coincident_winner<Subject::embree>},
+    {"coincident_winner.grid", kWinner, kRepeated, "", 500000, 0, 0, 0, coincident_winner<Subject::grid>},
+
+    {"huge_beside_tiny.beam", kHuge, kBruteForce, "of the depth", 200000, 0, 1e-4, 1.5,
+     huge_beside_tiny<Subject::beam>},
+    {"huge_beside_tiny.embree", kHuge, kBruteForce, "of the depth", 200000, 0, 1e-4, 1.5,
+     huge_beside_tiny<Subject::embree>},
+    {"huge_beside_tiny.grid", kHuge, kBruteForce, "of the depth", 200000, 0, 1e-4, 1.5,
+     huge_beside_tiny<Subject::grid>},
+
+    {"depth_order.beam", kDepths, kBruteForce, "of the depth", 200000, 0, 1e-4, 1.5, depth_order<Subject::beam>},
+    {"depth_order.embree", kDepths, kBruteForce, "of the depth", 200000, 0, 1e-4, 1.5, depth_order<Subject::embree>},
+    {"depth_order.grid", kDepths, kBruteForce, "of the depth", 200000, 0, 1e-4, 1.5, depth_order<Subject::grid>},
 };
 
 }  // namespace

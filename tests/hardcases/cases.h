@@ -19,4 +19,18 @@ void axis_parallel_rays(Trial& trial);
 template <Subject kSubject>
 void rays_from_far_outside(Trial& trial);
 
+// degenerate_triangles.cpp
+template <Subject kSubject>
+void slivers(Trial& trial);
+template <Subject kSubject>
+void duplicates(Trial& trial);
+template <Subject kSubject>
+void coincident_winner(Trial& trial);
+template <Subject kSubject>
+void huge_beside_tiny(Trial& trial);
+
+// depth_range.cpp
+template <Subject kSubject>
+void depth_order(Trial& trial);
+
 }  // namespace ff::hardcases
