@@ -26,6 +26,8 @@ constexpr std::string_view kRepeated = "exact: the other picture";
 constexpr std::string_view kHuge = "chips of 1 mm over triangles of 10,000 km, in one mesh";
 constexpr std::string_view kDepths =
     "sheets from 1 cm to 10,000 km in one frame, in order, each with one 0.1% behind it";
+constexpr std::string_view kFarAway = "walks and turns in mode hybrid, that far from the world's origin";
+constexpr std::string_view kAtOrigin = "the same pictures at the origin, to 3 of 255";
 
 constexpr HardCase kCases[] = {
     {"rays_through_edges.beam", kRaysThrough, kOnSurface, "of the distance", 1000000, 0, 1e-4, 1.5,
@@ -77,6 +79,11 @@ constexpr HardCase kCases[] = {
     {"depth_order.beam", kDepths, kBruteForce, "of the depth", 200000, 0, 1e-4, 1.5, depth_order<Subject::beam>},
     {"depth_order.embree", kDepths, kBruteForce, "of the depth", 200000, 0, 1e-4, 1.5, depth_order<Subject::embree>},
     {"depth_order.grid", kDepths, kBruteForce, "of the depth", 200000, 0, 1e-4, 1.5, depth_order<Subject::grid>},
+    {"picture_far_away.1e3m", kFarAway, kAtOrigin, "", 1000000, 1e-3, 0, 1.5, picture_far_away<1000>},
+    {"picture_far_away.1e6m", kFarAway, kAtOrigin, "", 1000000, 1e-3, 0, 1.5, picture_far_away<1000000>},
+    {"picture_far_away.1e7m", kFarAway, kAtOrigin, "", 1000000, 1e-3, 0, 1.5, picture_far_away<10000000>},
+    {"walk_far_away.1e7m", "steps of 12 mm, 10,000 km from the origin: each pixel's point lies on its triangle",
+     "double: the triangle's plane", "pixels", 200000, 0, 0.05, 0, walk_far_away},
 };
 
 }  // namespace

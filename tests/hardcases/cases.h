@@ -33,4 +33,9 @@ void huge_beside_tiny(Trial& trial);
 template <Subject kSubject>
 void depth_order(Trial& trial);
 
+// far_from_origin.cpp
+template <int kDistanceM>
+void picture_far_away(Trial& trial);
+void walk_far_away(Trial& trial);
+
 }  // namespace ff::hardcases

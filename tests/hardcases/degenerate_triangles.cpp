@@ -253,7 +253,8 @@ void huge_beside_tiny(Trial& trial) {
         const auto tiles = all_tiles(view);
         trial.time_hard([&] { caster->cast_tiles(view, tiles, seen); });
         trial.time_easy([&] { easy_caster->cast_tiles(view, tiles, easy); });
-        ExactPixels(scene, view, {}).count(seen, trial);
+        // Embree's robust tests round corners 5,000 km away to half a metre: neighbours in the plane swap places.
+        ExactPixels(scene, view, {.any_of_plane = kSubject == Subject::embree}).count(seen, trial);
         trial.report();
     }
 }

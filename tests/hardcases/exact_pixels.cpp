@@ -56,32 +56,38 @@ ExactPixels::Crossing ExactPixels::cross(const Triangle& t, const LVec3& directi
 std::string ExactPixels::problem(int x, int y, const farfield::VisibilityBuffer& seen, double& error) const {
     const std::size_t at = seen.index(x, y);
     const LVec3 direction(view_.direction(x, y));
-    // The nearest that certainly covers the pixel.
+    const Triangle* found = nullptr;
+    Crossing at_found{};
+    if (seen.instance[at] != farfield::kSkyInstance) {
+        if (seen.instance[at] >= first_of_instance_.size()) return fmt::format("pixel {}, {}: not answered", x, y);
+        found = &triangles_[first_of_instance_[seen.instance[at]] + seen.triangle[at]];
+        at_found = cross(*found, direction);
+    }
+    // The nearest that certainly covers the pixel, and whether something that may cover it lies where the found one
+    // does.
     const Triangle* nearest = nullptr;
     long double nearest_m = std::numeric_limits<long double>::infinity();
+    bool is_of_plane = false;
     for (const Triangle& t : triangles_) {
         if (t.nearest_m > nearest_m || t.farthest_m <= 0.0) continue;
         const Crossing c = cross(t, direction);
-        if (c.depth > 0.0 && c.depth < nearest_m && c.inside > c.doubt) {
+        if (!(c.depth > 0.0) || c.inside < -c.doubt) continue;
+        is_of_plane = is_of_plane || std::abs(c.depth - at_found.depth) <= rules_.depth * c.depth;
+        if (c.depth < nearest_m && c.inside > c.doubt) {
             nearest = &t;
             nearest_m = c.depth;
         }
     }
+    bool is_right = found == nearest;
+    if (found != nullptr) {
+        is_right = at_found.depth > 0.0 && at_found.depth <= nearest_m * (1.0 + rules_.depth) &&
+                   (at_found.inside >= -at_found.doubt || (rules_.any_of_plane && is_of_plane));
+        if (is_right) error = std::abs(double(seen.depth[at] / at_found.depth) - 1.0);
+    }
+    if (is_right) return {};
     const auto name = [](const Triangle* t) {
         return t == nullptr ? std::string("sky") : fmt::format("{}/{}", t->instance, t->triangle);
     };
-    const Triangle* found = nullptr;
-    if (seen.instance[at] != farfield::kSkyInstance) {
-        if (seen.instance[at] >= first_of_instance_.size()) return fmt::format("pixel {}, {}: not answered", x, y);
-        found = &triangles_[first_of_instance_[seen.instance[at]] + seen.triangle[at]];
-    }
-    bool is_right = found == nearest;
-    if (found != nullptr) {
-        const Crossing c = cross(*found, direction);
-        is_right = c.depth > 0.0 && c.inside >= -c.doubt && c.depth <= nearest_m * (1.0 + rules_.depth);
-        if (is_right) error = std::abs(double(seen.depth[at] / c.depth) - 1.0);
-    }
-    if (is_right) return {};
     return fmt::format("pixel {}, {} shows {} at {} m, expected {} at {} m", x, y, name(found), seen.depth[at],
                        name(nearest), double(nearest_m));
 }

@@ -19,6 +19,8 @@ struct PixelRules {
     double edge_px = 0.01;
     /// Triangles whose depths differ by less, relatively, may win either way.
     double depth = 1e-5;
+    /// Whether another triangle of the very plane may show instead: what cannot be told from the surface.
+    bool any_of_plane = false;
 };
 
 class ExactPixels {
