@@ -28,6 +28,8 @@ constexpr std::string_view kDepths =
     "sheets from 1 cm to 10,000 km in one frame, in order, each with one 0.1% behind it";
 constexpr std::string_view kFarAway = "walks and turns in mode hybrid, that far from the world's origin";
 constexpr std::string_view kAtOrigin = "the same pictures at the origin, to 3 of 255";
+constexpr std::string_view kOpacity =
+    "slivers, triangles through the near plane and far beyond the image: no pixel is covered that they leave empty";
 
 constexpr HardCase kCases[] = {
     {"rays_through_edges.beam", kRaysThrough, kOnSurface, "of the distance", 1000000, 0, 1e-4, 1.5,
@@ -84,6 +86,18 @@ constexpr HardCase kCases[] = {
     {"picture_far_away.1e7m", kFarAway, kAtOrigin, "", 1000000, 1e-3, 0, 1.5, picture_far_away<10000000>},
     {"walk_far_away.1e7m", "steps of 12 mm, 10,000 km from the origin: each pixel's point lies on its triangle",
      "double: the triangle's plane", "pixels", 200000, 0, 0.05, 0, walk_far_away},
+    {"horizon.bars",
+     "eyes above, below, on grid nodes and edges, beside towers; up and down, 5 to 150 degrees, any roll",
+     "double: every bar", "", 1000000, 0, 0, 2, horizon_over_bars},
+    {"horizon.scenes",
+     "the same among triangles, a hair beside walls, roofs and leaves: no pixel that a cast hits is sky",
+     "a full cast (Embree)", "", 1000000, 0, 0, 0, horizon_over_scenes},
+    {"panorama.seams", "views straight at poles, cube edges and corners: each pixel is answered, as far as it is",
+     "a full cast", "of the depth", 1000000, 0, 0.02, 1.5, panorama_seams},
+    {"panorama.turns", "a million small turns of the mouse: the view is where their sum says, the panorama still right",
+     "long double: the sum", "pixels", 1500000, 0, 1e-6, 0, panorama_turns},
+    {"opacity.exact", kOpacity, "double: every triangle, clipped", "", 1000000, 0, 0, 4, opacity_exact},
+    {"opacity.opengl", kOpacity, "OpenGL", "", 500000, 0, 0, 0, opacity_opengl},
 };
 
 }  // namespace

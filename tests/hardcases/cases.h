@@ -38,4 +38,16 @@ template <int kDistanceM>
 void picture_far_away(Trial& trial);
 void walk_far_away(Trial& trial);
 
+// horizon.cpp
+void horizon_over_bars(Trial& trial);
+void horizon_over_scenes(Trial& trial);
+
+// panorama.cpp
+void panorama_seams(Trial& trial);
+void panorama_turns(Trial& trial);
+
+// opacity.cpp
+void opacity_exact(Trial& trial);
+void opacity_opengl(Trial& trial);
+
 }  // namespace ff::hardcases
