@@ -32,14 +32,16 @@ Status check_camera(const Camera& camera) {
 
 Status check_settings(const FrameSettings& settings) {
     if (!(settings.budget_ms >= 0.0) || !std::isfinite(settings.budget_ms))
-        return bad_input(fmt::format("settings: budget_ms {}; expected milliseconds, or 0 for none", settings.budget_ms));
+        return bad_input(
+            fmt::format("settings: budget_ms {}; expected milliseconds, or 0 for none", settings.budget_ms));
     if (settings.fixed_near_m && (!(*settings.fixed_near_m >= 0.0) || !std::isfinite(*settings.fixed_near_m)))
         return bad_input(fmt::format("settings: fixed_near_m {}; expected metres, [0, inf)", *settings.fixed_near_m));
     if (!(settings.max_parallax_px >= 0.0f && settings.max_parallax_px <= 16.0f))
         return bad_input(
             fmt::format("settings: max_parallax_px {}; expected pixels in [0, 16]", settings.max_parallax_px));
     if (!(settings.prelit_beyond_m >= 0.0f))
-        return bad_input(fmt::format("settings: prelit_beyond_m {}; expected metres, [0, inf]", settings.prelit_beyond_m));
+        return bad_input(
+            fmt::format("settings: prelit_beyond_m {}; expected metres, [0, inf]", settings.prelit_beyond_m));
     return {};
 }
 
@@ -49,14 +51,16 @@ Status check_instance(const scene::StaticScene& scene, const scene::Instance& in
             fmt::format("moving instance {}: mesh {}; the scene has {}", number, instance.mesh, scene.meshes.size()));
     const WorldPos& p = instance.position;
     if (!is_position(p))
-        return bad_input(fmt::format("moving instance {}: position ({}, {}, {}); expected metres within {:g} of the origin",
-                                     number, p.x, p.y, p.z, kMaxCoordinateM));
+        return bad_input(
+            fmt::format("moving instance {}: position ({}, {}, {}); expected metres within {:g} of the origin", number,
+                        p.x, p.y, p.z, kMaxCoordinateM));
     const double volume = glm::determinant(DMat3(instance.world_from_mesh));
     if (!std::isfinite(volume) || volume == 0.0)
-        return bad_input(fmt::format("moving instance {}: a transform of volume {}; expected a finite one that is not flat",
-                                     number, volume));
+        return bad_input(fmt::format(
+            "moving instance {}: a transform of volume {}; expected a finite one that is not flat", number, volume));
     const DBox3& box = instance.bounds;
-    if (!scene.meshes[instance.mesh].bounds.is_empty() && (box.is_empty() || !is_position(box.low) || !is_position(box.high)))
+    if (!scene.meshes[instance.mesh].bounds.is_empty() &&
+        (box.is_empty() || !is_position(box.low) || !is_position(box.high)))
         return bad_input(fmt::format("moving instance {}: bounds ({}, {}, {}) to ({}, {}, {}); expected a box", number,
                                      box.low.x, box.low.y, box.low.z, box.high.x, box.high.y, box.high.z));
     return {};

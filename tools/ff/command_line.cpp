@@ -1,5 +1,7 @@
 #include <CLI/CLI.hpp>
+#include <cmath>
 #include <cstdio>
+#include <cstdlib>
 
 #include "engine/core/jobs.h"
 #include "engine/core/log.h"
@@ -31,6 +33,17 @@ std::string parse_size(const std::string& text, ImageSize& size) {
     return {};
 }
 
+/// CLI::Range lets not-a-number pass, which is neither below nor above.
+CLI::Validator number_in(double low, double high) {
+    return CLI::Range(low, high) & CLI::Validator(
+                                       [](const std::string& text) {
+                                           return std::isnan(std::strtod(text.c_str(), nullptr))
+                                                      ? "'" + text + "' is not a number"
+                                                      : std::string();
+                                       },
+                                       "");
+}
+
 void add_view_options(CLI::App& app, ViewOptions& view, bool with_mode) {
     app.add_option("PACK", view.pack, "A .ffpack; or a scene.toml, .gltf or .glb, which is cooked into the cache first")
         ->required();
@@ -51,7 +64,7 @@ void add_view_options(CLI::App& app, ViewOptions& view, bool with_mode) {
             ->transform(CLI::CheckedTransformer(kModes, CLI::ignore_case).description(""));
     app.add_option("--budget-ms", settings.budget_ms,
                    "Keep frames within this time by giving up accuracy; 0: exact frames")
-        ->check(CLI::Range(0.0, 1e5));
+        ->check(number_in(0.0, 1e5));
     app.add_option(
            "--when-late", settings.when_late,
            "What gives where the budget is short: coarser (the picture is drawn smaller) or stale (old texels of "
@@ -61,12 +74,12 @@ void add_view_options(CLI::App& app, ViewOptions& view, bool with_mode) {
         ->transform(CLI::CheckedTransformer(kCasters, CLI::ignore_case).description(""));
     app.add_option("--near-m", settings.fixed_near_m,
                    "Near distance in metres instead of the controller's choice; 0: no near field")
-        ->check(CLI::Range(0.0, 1e6));
+        ->check(number_in(0.0, 1e6));
     app.add_option("--max-parallax-px", settings.max_parallax_px,
                    "A panorama texel is reused up to this predicted parallax")
-        ->check(CLI::Range(0.0, 16.0));
+        ->check(number_in(0.0, 16.0));
     app.add_option("--prelit-beyond-m", settings.prelit_beyond_m, "Beyond this depth triangles have one prelit colour")
-        ->check(CLI::Range(0.0, 1e9));
+        ->check(number_in(0.0, 1e9));
     app.add_option("--opacity", settings.opacity, "Opacity buffer: auto, software or readback")
         ->transform(CLI::CheckedTransformer(kOpacityKinds, CLI::ignore_case).description(""));
     app.add_flag("--no-panorama{false}", settings.use_panorama, "Never reuse the panoramic cache");

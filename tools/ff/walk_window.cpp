@@ -145,6 +145,7 @@ Status walk_in_window(const WalkOptions& options) {
                 std::make_unique<frame::Renderer>(world->scene(), casters, &near_renderer, size.width, size.height);
         }
         const frame::FrameStats& stats = renderer->draw(camera, dynamic, options.view.frame, image);
+        FF_TRY(renderer->refusal());
         if (input.pressed(Key::f1)) show_overlay = !show_overlay;
         if (input.pressed(Key::f2)) debug_view = (debug_view + 1) % int(kDebugViewNames.size());
         draw_debug_view(DebugView(debug_view), *renderer, image);
