@@ -75,9 +75,11 @@ Choice Governor::choose(const Outlook& outlook, const CostModel& costs, double b
 
     // Panorama: a lookup of everything left over must save more casting and shading than it costs.
     const double candidates = left_over_pixels(outlook, near_index_);
-    const double saved_ms = (costs.cast_ray.ms_for(1) + costs.shade_pixel.ms_for(1)) * outlook.reusable_pixels;
+    // The near field may cover what could be reused.
+    const double reusable = std::min(outlook.reusable_pixels, candidates);
+    const double saved_ms = (costs.cast_ray.ms_for(1) + costs.shade_pixel.ms_for(1)) * reusable;
     const double spent_ms =
-        costs.lookup_pixel.ms_for(candidates) + costs.store_pixel.ms_for(candidates - outlook.reusable_pixels);
+        costs.lookup_pixel.ms_for(candidates) + costs.store_pixel.ms_for(candidates - reusable);
     const bool pays = look_up_ ? saved_ms > spent_ms : saved_ms > (1.0 + kSwitchGain) * spent_ms;
     look_up_votes_ = pays != look_up_ ? look_up_votes_ + 1 : 0;
     if (look_up_votes_ >= kPatience) {
@@ -90,7 +92,7 @@ Choice Governor::choose(const Outlook& outlook, const CostModel& costs, double b
     choice.look_up_panorama = look_up_;
     double fixed = fixed_ms(outlook, costs, near_index_, keep_old || look_up_);
     if (resolution_index_ > 0) fixed += costs.upscale_pixel.ms_for(outlook.pixels);
-    double rays = candidates - (look_up_ ? outlook.reusable_pixels : 0.0);
+    double rays = candidates - (look_up_ ? reusable : 0.0);
     if (budget_ms > 0.0) {
         const double affordable = std::max(kMinRayShare * outlook.pixels, (kAim * budget_ms - fixed) / ray_ms(costs));
         ray_budget_ =
