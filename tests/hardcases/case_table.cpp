@@ -98,6 +98,17 @@ constexpr HardCase kCases[] = {
      "long double: the sum", "pixels", 1500000, 0, 1e-6, 0, panorama_turns},
     {"opacity.exact", kOpacity, "double: every triangle, clipped", "", 1000000, 0, 0, 4, opacity_exact},
     {"opacity.opengl", kOpacity, "OpenGL", "", 500000, 0, 0, 0, opacity_opengl},
+    {"clock.ticks", "30 days of frames, some of no time, of ten seconds, or backwards: no tick is gained or lost",
+     "exact: 128-bit whole numbers", "ticks", 155520000, 0, 0, 0, clock_ticks},
+    {"budget.choices", "costs of zero, tiny, huge, noisy (x10), lies, no numbers: in range, no oscillation, recovers",
+     "one who never saw trouble", "turns in 100 frames", 1000000, 0, 12, 0, budget_choices},
+    {"budget.plans",
+     "the same through the frame plan, budgets from 1 ps to 1000 s: pictures of a size that can be drawn", "ranges", "",
+     200000, 0, 0, 0, budget_plans},
+    {"bad_numbers.refused", "NaN and infinities in camera, settings, moving instances: refused with a message",
+     "what was spoilt", "", 200000, 0, 0, 0, bad_numbers_refused},
+    {"bad_numbers.never_drawn", "frames with such numbers between good ones: no pixel changes, now or later",
+     "the same without them", "", 500000, 0, 0, 0, bad_numbers_never_drawn},
 };
 
 }  // namespace

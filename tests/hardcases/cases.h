@@ -50,4 +50,15 @@ void panorama_turns(Trial& trial);
 void opacity_exact(Trial& trial);
 void opacity_opengl(Trial& trial);
 
+// clock.cpp
+void clock_ticks(Trial& trial);
+
+// budget.cpp
+void budget_choices(Trial& trial);
+void budget_plans(Trial& trial);
+
+// bad_numbers.cpp
+void bad_numbers_refused(Trial& trial);
+void bad_numbers_never_drawn(Trial& trial);
+
 }  // namespace ff::hardcases
