@@ -88,14 +88,16 @@ bool is_in_range(const Choice& choice, const Outlook& outlook) {
 }
 
 bool is_same(const Choice& a, const Choice& b) {
-    // A coarser step is left only where there is room enough: held choices may be one step apart.
+    // A coarser step is left only where there is room enough: held choices may be one step apart. More rays than
+    // are needed make no difference.
     const auto step = [](double resolution) {
         return std::find(budget::kResolutions.begin(), budget::kResolutions.end(), resolution) -
                budget::kResolutions.begin();
     };
-    const double rays = std::max({a.affordable_rays, b.affordable_rays, 1.0});
-    return std::abs(step(a.resolution) - step(b.resolution)) <= 1 &&
-           std::fabs(a.affordable_rays - b.affordable_rays) <= 0.3 * rays;
+    const auto share = [](const Choice& choice) {
+        return std::min(1.0, choice.affordable_rays / std::max(1.0, choice.needed_rays));
+    };
+    return std::abs(step(a.resolution) - step(b.resolution)) <= 1 && std::fabs(share(a) - share(b)) <= 0.3;
 }
 
 /// Changes of direction, which is what an eye sees as oscillation.
