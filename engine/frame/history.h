@@ -44,6 +44,7 @@ struct FrameHistory {
     SourceMasks sources;
     std::vector<farfield::TileRequest> wanted;    ///< scratch: what neither near field nor horizon answers
     std::vector<farfield::TileRequest> requests;  ///< scratch: what is to be cast
+    farfield::PixelMask answered;                 ///< scratch: what the near raster has drawn
     farfield::PixelMask coloured;                 ///< scratch: what needs no shading
     std::vector<farfield::TileRequest> to_shade;  ///< scratch: what no cached colour answers
     std::vector<farfield::TileRequest> to_store;  ///< scratch: what the panorama may remember

@@ -53,6 +53,13 @@ void remove(const PixelMask& from_here, PixelMask& mask) {
             mask.tiles[t].rows[row] = std::uint16_t(mask.tiles[t].rows[row] & ~from_here.tiles[t].rows[row]);
 }
 
+/// Leaves in a mask only the pixels that the other one has, too.
+void intersect(const PixelMask& other, PixelMask& mask) {
+    for (std::size_t t = 0; t < mask.tiles.size(); ++t)
+        for (int row = 0; row < kTileSize; ++row)
+            mask.tiles[t].rows[row] = std::uint16_t(mask.tiles[t].rows[row] & other.tiles[t].rows[row]);
+}
+
 /// The tiles' pixels that none of the masks has answered; tiles that are done are left out.
 void collect_requests(std::span<const TileRequest> all, std::span<const PixelMask* const> answered,
                       std::vector<TileRequest>& requests) {
@@ -108,7 +115,7 @@ void report(const Status& status) {
 nearfield::DrawSet cull(const FramePlan& plan, std::span<const scene::Instance> dynamic, const Tools& tools,
                         FrameHistory& history) {
     tools.culler.cull(plan.view, dynamic, history.visible, plan.near_m);
-    return {.instances = history.visible.instances, .dynamic = dynamic};
+    return {.instances = history.visible.instances, .dynamic = dynamic, .complete_within_m = plan.near_m};
 }
 
 /// Modes raster and near: the whole picture by OpenGL.
@@ -139,7 +146,10 @@ void draw_near_field(const FramePlan& plan, const Tools& tools, FrameHistory& hi
                                  farfield::EmptyDepth::infinite, covered);
     stats.pixels.near_field = covered.count();
     if (plan.software_opacity) {
+        PixelMask& answered = history.answered;
+        answered = covered;
         history.opacity.draw(tools.scene, {}, history.visible.instances, plan.view, covered);
+        intersect(answered, covered);  // it has no depth, and does not know what lies beyond the near distance
         const std::uint64_t known = covered.count();
         stats.opacity_missed = stats.pixels.near_field - std::min(known, stats.pixels.near_field);
         stats.pixels.near_field = known;
@@ -156,7 +166,7 @@ void begin_panorama(const FramePlan& plan, FrameHistory& history) {
         PinholeView full = plan.view;  // the map is made once, for frames of full size
         full.u_step *= float(plan.view.width) / float(plan.image_width);
         full.v_step *= float(plan.view.height) / float(plan.image_height);
-        const int size = farfield::Panorama::face_size_for(full);
+        const int size = farfield::Panorama::face_size_for(full, plan.panorama_density);
         history.panorama = std::make_unique<farfield::Panorama>(farfield::PanoramaSettings{.face_size = size});
         history.panorama->populate();
         history.panorama_colors.resize(size, 6 * size);
@@ -200,10 +210,11 @@ void look_up_panorama(const FramePlan& plan, const Tools& tools, const farfield:
     farfield::Panorama& panorama = *history.panorama;
     const TimedPass timed(stats, Pass::panorama);
     // Depths are fetched only where something may stand before the texels.
-    const farfield::PanoramaTarget target{.visibility = plan.dynamic.empty() ? nullptr : &history.visibility,
+    const bool wants_depths = plan.keep_ids || !plan.dynamic.empty();
+    const farfield::PanoramaTarget target{.visibility = wants_depths ? &history.visibility : nullptr,
                                           .colors = image.pixels.data(),
                                           .color_stride = image.stride,
-                                          .depth_only = true};
+                                          .depth_only = !plan.keep_ids};
     const farfield::PanoramaStats found = panorama.lookup(plan.view, history.wanted, limits, target, history.requests);
     stats.pixels.panorama = found.reused + found.stale + found.unanswered;
     stats.pixels.stale = found.stale + found.unanswered;
@@ -281,7 +292,7 @@ FrameStats draw_view(const FramePlan& plan, const Tools& tools, FrameHistory& hi
         begin_panorama(plan, history);
     }
     farfield::PanoramaLimits limits{
-        .max_parallax_px = plan.max_parallax_px, .edges = farfield::EdgeRule::verify, .ray_budget = plan.ray_budget};
+        .max_parallax_px = plan.max_parallax_px, .edges = plan.panorama_edges, .ray_budget = plan.ray_budget};
     history.panorama_is_full = false;
     if (plan.fill_panorama) {
         farfield::PanoramaLimits fill_limits = limits;

@@ -1,9 +1,11 @@
 #pragma once
 
+#include <cstdint>
 #include <limits>
 #include <optional>
 
 #include "engine/budget/governor.h"
+#include "engine/farfield/panorama.h"
 
 namespace ff::frame {
 
@@ -28,9 +30,23 @@ struct FrameSettings {
     float max_parallax_px = 0.5f;  ///< a panorama texel is reused up to this predicted parallax. [0, 16]
     float prelit_beyond_m = std::numeric_limits<float>::infinity();  ///< P1 4.6; metres
     OpacityKind opacity = OpacityKind::automatic;
+    float resolution = 1.0f;  ///< share of the image's sides that is drawn; enlarged to be shown. [0.25, 1]
+
     bool use_panorama = true;
+    /// Texels within max_parallax_px serve a viewer who moves, too, not only one who turns: P0's way, not exact.
+    bool reuse_while_moving = false;
+    /// At most so many pixels are cast a frame; the others keep old texels. With reuse_while_moving.
+    std::uint64_t ray_budget = UINT64_MAX;
+    float panorama_density = 1.0f;  ///< so many times as many texels a side of the map as usual. [0.25, 2]
+    farfield::EdgeRule panorama_edges = farfield::EdgeRule::verify;
+
     bool use_horizon = true;
+    int horizon_subsample = 1;  ///< trace every n-th azimuth, on grid squares so much coarser: 1, 2 or 4
+    /// Pixels that the panorama answers get their instance and triangle as well: dearer, for who measures what is seen.
+    bool keep_ids = false;
     bool deterministic = false;  ///< decide from recorded costs, so that the same inputs give the same bits
+
+    friend bool operator==(const FrameSettings&, const FrameSettings&) = default;
 };
 
 }  // namespace ff::frame

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <limits>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -14,7 +13,7 @@
 #include "engine/core/stopwatch.h"
 #include "engine/shading/image_difference.h"
 #include "tools/ff/heap_counter.h"
-#include "tools/ff/image_file.h"
+#include "tools/ff/machine.h"
 #include "tools/ff/session.h"
 
 namespace ff::tool {
@@ -80,14 +79,6 @@ struct ModeRun {
         return result;
     }
 };
-
-/// The processor's name, or "unknown".
-std::string cpu_name() {
-    std::ifstream info("/proc/cpuinfo");
-    for (std::string line; std::getline(info, line);)
-        if (line.rfind("model name", 0) == 0) return line.substr(line.find(':') + 2);
-    return "unknown";
-}
 
 double peak_memory_mb() {
     rusage usage{};
@@ -222,7 +213,7 @@ Status run_bench(const BenchOptions& options) {
         if (std::any_of(runs.begin(), runs.end(), [&](const ModeRun& run) { return run.name == name; })) continue;
         ModeRun run;
         run.name = name;
-        run.settings = options.view.frame;
+        run.settings = kModes.at(name) == frame::Mode::hybrid ? session->settings() : options.view.frame;
         run.settings.mode = kModes.at(name);
         run.renderer = session->make_renderer(options.view.size);
         run.frame_ms.resize(frames);

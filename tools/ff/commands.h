@@ -27,6 +27,8 @@ struct ViewOptions {
     frame::FrameSettings frame;
     bool use_occlusion = true;  ///< the hybrid's near field leaves out what is hidden
     int threads = 0;            ///< 0: all
+    /// Errors that may be made: the fastest settings of the pack's accuracy table that keep them are taken.
+    std::optional<double> max_error_px, min_psnr_db;
 };
 
 struct CookOptions {
@@ -78,5 +80,12 @@ struct HardcasesOptions {
 };
 /// Fails where a case exceeds its stated bound.
 Status run_hardcases(const HardcasesOptions& options);
+
+struct AccuracyOptions {
+    ViewOptions view;
+    std::filesystem::path out = "accuracy";
+    bool quick = false;
+};
+Status run_accuracy(const AccuracyOptions& options);
 
 }  // namespace ff::tool
