@@ -87,17 +87,20 @@ bool is_in_range(const Choice& choice, const Outlook& outlook) {
            choice.affordable_rays <= 2.0 * outlook.pixels && choice.needed_rays >= 0.0;
 }
 
-bool is_same(const Choice& a, const Choice& b) {
+/// Whether a choice is what the expected one is, but for what is held on purpose.
+bool is_same(const Choice& choice, const Choice& expected) {
+    // Who draws the whole picture holds it while it just fits; who draws less waits until there is room.
+    if (expected.resolution == 1.0 && expected.affordable_rays < Governor::kFinerRoom * expected.needed_rays)
+        return true;
     // A coarser step is left only where there is room enough: held choices may be one step apart. More rays than
     // are needed make no difference.
     const auto step = [](double resolution) {
         return std::find(budget::kResolutions.begin(), budget::kResolutions.end(), resolution) -
                budget::kResolutions.begin();
     };
-    const auto share = [](const Choice& choice) {
-        return std::min(1.0, choice.affordable_rays / std::max(1.0, choice.needed_rays));
-    };
-    return std::abs(step(a.resolution) - step(b.resolution)) <= 1 && std::fabs(share(a) - share(b)) <= 0.3;
+    const auto share = [](const Choice& c) { return std::min(1.0, c.affordable_rays / std::max(1.0, c.needed_rays)); };
+    return std::abs(step(choice.resolution) - step(expected.resolution)) <= 1 &&
+           std::fabs(share(choice) - share(expected)) <= 0.3;
 }
 
 /// Changes of direction, which is what an eye sees as oscillation.
