@@ -178,7 +178,7 @@ HWY_INLINE void draw_packed(const LeafScratch& s, int i, PrimitiveId id, Pixels&
         const auto smaller = hn::Or(hn::Lt(own_instance, old_instance),
                                     hn::And(hn::Eq(own_instance, old_instance), hn::Lt(own_triangle, old_triangle)));
         win = hn::And(win, hn::Or(hn::Gt(inverse_depth, best), hn::RebindMask(f, smaller)));
-        if constexpr (kAlpha) win = opaque_lanes(win, *alpha, s, i, e, inverse_depth);
+        if constexpr (kAlpha) win = opaque_lanes(win, *alpha, s, i, x, y, e, inverse_depth);
         const auto win_u = hn::RebindMask(ui, win);
         hn::Store(hn::IfThenElse(win, inverse_depth, best), f, pixels.best + at);
         hn::Store(hn::IfThenElse(win_u, own_instance, old_instance), ui, pixels.instance + at);
@@ -187,7 +187,7 @@ HWY_INLINE void draw_packed(const LeafScratch& s, int i, PrimitiveId id, Pixels&
 }
 
 HWY_INLINE void draw_block(const scene::StaticScene& scene, std::span<const KnownTriangle> triangles,
-                           const Block& block, float pixel_angle, const Tile& tile, Pixels& pixels) {
+                           const Block& block, const AlphaRays& rays, const Tile& tile, Pixels& pixels) {
     constexpr bool kDirect = kLanes <= kBlock;
     LeafScratch s;
     const BvhLeaf leaf = describe(triangles.size());
@@ -199,7 +199,7 @@ HWY_INLINE void draw_block(const scene::StaticScene& scene, std::span<const Know
         const int i = std::countr_zero(bits);
         const KnownTriangle& triangle = triangles[std::size_t(i)];
         if ((block.alpha >> i) & 1) {
-            AlphaDraw alpha{scene, triangle.id.instance, triangle.id.triangle, pixel_angle, {}, false, {}};
+            AlphaDraw alpha{scene, triangle.id.instance, triangle.id.triangle, rays, {}, false, {}};
             std::copy_n(triangle.corners, 3, alpha.corners);
             draw_packed<true>(s, i, triangle.id, pixels, &alpha);
         } else {
@@ -240,11 +240,12 @@ void CastKnownTile(const scene::StaticScene& scene, const BeamView& view, const 
     Tile tile;  // only its bounds: no candidate is dropped for its depth, they are too few
     if (!begin_pixels(view.view, request, pixels, tile)) return;
     InstanceLinears linears(scene, view, request);
+    const AlphaRays rays = view.alpha_rays(request.x, request.y);
     Block block;
     for (std::size_t first = 0; first < candidates.size(); first += std::size_t(kBlock)) {
         const auto some = candidates.subspan(first, std::min(candidates.size() - first, std::size_t(kBlock)));
         fill(some, linears, block);
-        draw_block(scene, some, block, view.pixel_angle, tile, pixels);
+        draw_block(scene, some, block, rays, tile, pixels);
     }
     write_pixels(pixels, request, out, missed);
 }

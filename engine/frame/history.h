@@ -16,6 +16,7 @@
 #include "engine/farfield/visibility_buffer.h"
 #include "engine/frame/stats.h"
 #include "engine/math/camera.h"
+#include "engine/shading/layer_pass.h"
 #include "engine/shading/shading_pass.h"
 #include "engine/shading/upscale.h"
 #include "engine/visibility/culler.h"
@@ -39,6 +40,8 @@ struct FrameHistory {
     std::unique_ptr<farfield::Panorama> panorama;  ///< made when a plan first asks for it
     shading::Image panorama_colors;                ///< where its texels are shaded
     bool panorama_is_full = false;                 ///< it held all that the last frame saw, and the viewer stood
+    float panorama_blend_within_m = 0.0f;          ///< what its texels look past
+    shading::LayerScratch layers;                  ///< scratch: transparent layers on their way into the image
     shading::Image reduced;                        ///< a frame that is drawn smaller than it is shown
     shading::Upscaler upscaler;
     SourceMasks sources;

@@ -35,6 +35,7 @@ struct FramePlan {
     /// Cast whole tiles of the panorama ahead of the view: the viewer only turns or rests, or this is the first frame.
     bool fill_panorama = false;
     CasterKind caster = CasterKind::beam;
+    float grid_cells_per_item = float(farfield::kUsualGridCellsPerItem);
     std::uint64_t ray_budget = UINT64_MAX;
     std::uint64_t fill_budget = UINT64_MAX;  ///< texels that may be filled
     float max_parallax_px = 0.5f;

@@ -1,5 +1,6 @@
 #include "engine/frame/run_passes.h"
 
+#include <algorithm>
 #include <bit>
 
 #include "engine/core/check.h"
@@ -160,6 +161,26 @@ shading::ShadeSettings shade_settings(const FramePlan& plan) {
     return {.prelit_beyond_m = plan.prelit_beyond_m};
 }
 
+/// Whether something blended may be near enough to be a transparent layer.
+bool may_have_layers(const FramePlan& plan, const Tools& tools) {
+    const float within_m = plan.view.blend_within_m;
+    if (!(within_m > 0.0f) || tools.layer_index.is_empty()) return false;
+    const auto is_blended = [&](const scene::Instance& instance) {
+        return (tools.scene.meshes[instance.mesh].material_flags & scene::kMaterialBlend) != 0;
+    };
+    return std::any_of(plan.dynamic.begin(), plan.dynamic.end(), is_blended) ||
+           farfield::has_layers_within(tools.scene, tools.layer_index, plan.view.position, within_m);
+}
+
+void blend_layers(const FramePlan& plan, const Tools& tools, FrameHistory& history, shading::Image& image,
+                  FrameStats& stats) {
+    const TimedPass timed(stats, Pass::blend);
+    const farfield::LayerScene layers{tools.scene, tools.layer_index,
+                                      plan.dynamic.empty() ? nullptr : &tools.dynamic_overlay.moving()};
+    stats.layers = shading::blend_layers(layers, plan.view, history.visibility, history.all_tiles, shade_settings(plan),
+                                         history.layers, image);
+}
+
 /// The map for frames like this one, told where the viewer stands.
 void begin_panorama(const FramePlan& plan, FrameHistory& history) {
     if (!history.panorama) {
@@ -172,6 +193,8 @@ void begin_panorama(const FramePlan& plan, FrameHistory& history) {
         history.panorama_colors.resize(size, 6 * size);
         populate_pages(history.panorama_colors.pixels);
     }
+    if (history.panorama_blend_within_m != plan.view.blend_within_m) history.panorama->clear();
+    history.panorama_blend_within_m = plan.view.blend_within_m;
     history.panorama->begin_frame(plan.view.position);
 }
 
@@ -188,10 +211,12 @@ std::uint64_t fill_panorama(const FramePlan& plan, const Tools& tools, const far
     for (int face = 0; face < 6; ++face) {
         const auto texels = panorama.fill_requests(face);
         if (texels.empty()) continue;
-        const PinholeView view = panorama.face_view(face);
+        PinholeView view = panorama.face_view(face);
+        view.blend_within_m = plan.view.blend_within_m;
         {
             const TimedPass timed(stats, Pass::cast);
-            stats.rays += tools.casters.get(plan.caster).cast_tiles(view, texels, panorama.map()).rays;
+            stats.rays +=
+                tools.casters.get(plan.caster, plan.grid_cells_per_item).cast_tiles(view, texels, panorama.map()).rays;
         }
         {
             const TimedPass timed(stats, Pass::shade);
@@ -210,7 +235,7 @@ void look_up_panorama(const FramePlan& plan, const Tools& tools, const farfield:
     farfield::Panorama& panorama = *history.panorama;
     const TimedPass timed(stats, Pass::panorama);
     // Depths are fetched only where something may stand before the texels.
-    const bool wants_depths = plan.keep_ids || !plan.dynamic.empty();
+    const bool wants_depths = plan.keep_ids || !plan.dynamic.empty() || may_have_layers(plan, tools);
     const farfield::PanoramaTarget target{.visibility = wants_depths ? &history.visibility : nullptr,
                                           .colors = image.pixels.data(),
                                           .color_stride = image.stride,
@@ -225,9 +250,9 @@ void look_up_panorama(const FramePlan& plan, const Tools& tools, const farfield:
 
 }  // namespace
 
-farfield::RayCaster& Casters::get(CasterKind kind) {
+farfield::RayCaster& Casters::get(CasterKind kind, double grid_cells_per_item) {
     auto& caster = casters_[std::size_t(kind)];
-    if (!caster) {
+    if (!caster || (kind == CasterKind::grid && grid_cells_per_item != grid_cells_per_item_)) {
         switch (kind) {
             case CasterKind::beam:
                 caster = farfield::make_beam_caster(scene_);
@@ -236,7 +261,8 @@ farfield::RayCaster& Casters::get(CasterKind kind) {
                 caster = farfield::make_embree_caster(scene_);
                 break;
             case CasterKind::grid:
-                caster = farfield::make_grid_caster(scene_);
+                caster = farfield::make_grid_caster(scene_, grid_cells_per_item);
+                grid_cells_per_item_ = grid_cells_per_item;
                 break;
         }
     }
@@ -312,7 +338,8 @@ FrameStats draw_view(const FramePlan& plan, const Tools& tools, FrameHistory& hi
     // Casts: everything that nothing cheaper has answered.
     {
         const TimedPass timed(stats, Pass::cast);
-        const CastCost cost = tools.casters.get(plan.caster).cast_tiles(plan.view, *casts, visibility);
+        const CastCost cost =
+            tools.casters.get(plan.caster, plan.grid_cells_per_item).cast_tiles(plan.view, *casts, visibility);
         stats.rays += cost.rays;
         stats.nodes_visited += cost.nodes;
         stats.triangles_tested += cost.triangles;
@@ -347,6 +374,9 @@ FrameStats draw_view(const FramePlan& plan, const Tools& tools, FrameHistory& hi
         collect_requests(history.all_tiles, others, history.to_store);
         history.panorama->store(plan.view, history.to_store, visibility, image.pixels, image.stride);
     }
+
+    // Transparent layers, over everything and remembered by nothing.
+    if (may_have_layers(plan, tools)) blend_layers(plan, tools, history, image, stats);
 
     stats.near_m = plan.near_m;
     stats.ray_budget = plan.ray_budget;

@@ -6,6 +6,7 @@
 
 #include "engine/budget/governor.h"
 #include "engine/farfield/panorama.h"
+#include "engine/farfield/ray_caster.h"
 
 namespace ff::frame {
 
@@ -24,11 +25,15 @@ enum class OpacityKind { automatic, software, readback };
 struct FrameSettings {
     Mode mode = Mode::hybrid;
     CasterKind caster = CasterKind::beam;
+    float grid_cells_per_item = float(farfield::kUsualGridCellsPerItem);  ///< of CasterKind::grid; (0, 64]
     double budget_ms = 0.0;  ///< 0: no limit, every pixel is right; else accuracy is given up to keep it
     budget::WhenLate when_late = budget::WhenLate::coarser;  ///< which accuracy
     std::optional<double> fixed_near_m;                      ///< instead of the controller's choice; [0, inf)
     float max_parallax_px = 0.5f;  ///< a panorama texel is reused up to this predicted parallax. [0, 16]
     float prelit_beyond_m = std::numeric_limits<float>::infinity();  ///< P1 4.6; metres
+    /// Blended surfaces nearer to the eye than this are sorted and blended per pixel, farther ones are shown by
+    /// coverage. Metres along the ray, [0, inf); 0: all by coverage.
+    float blend_within_m = 60.0f;
     OpacityKind opacity = OpacityKind::automatic;
     float resolution = 1.0f;  ///< share of the image's sides that is drawn; enlarged to be shown. [0.25, 1]
 

@@ -8,10 +8,22 @@
 namespace ff::frame {
 
 /// The passes in the order in which they run; the one list of their names.
-enum class Pass : std::uint8_t { plan, near_field, opacity, horizon, panorama, cast, shade, store, upscale, present };
-inline constexpr std::size_t kPassCount = 10;
-inline constexpr std::array<std::string_view, kPassCount> kPassNames{"plan", "near",  "opacity", "horizon", "panorama",
-                                                                     "cast", "shade", "store",   "upscale", "present"};
+enum class Pass : std::uint8_t {
+    plan,
+    near_field,
+    opacity,
+    horizon,
+    panorama,
+    cast,
+    shade,
+    store,
+    blend,
+    upscale,
+    present
+};
+inline constexpr std::size_t kPassCount = 11;
+inline constexpr std::array<std::string_view, kPassCount> kPassNames{
+    "plan", "near", "opacity", "horizon", "panorama", "cast", "shade", "store", "blend", "upscale", "present"};
 
 /// Pixels by how they came to be (P0 Figure 11); they add up to the image as it was drawn.
 struct PixelCounts {
@@ -36,6 +48,7 @@ struct FrameStats {
     std::uint64_t near_triangles = 0;    ///< sent to OpenGL
     std::uint64_t near_draws = 0;
     std::uint64_t shaded_pixels = 0;
+    std::uint64_t layers = 0;          ///< transparent layers shaded and blended
     std::uint64_t opacity_missed = 0;  ///< near pixels that the opacity buffer did not know of
     double near_m = 0.0;               ///< near distance of this frame
     std::uint64_t ray_budget = UINT64_MAX;

@@ -85,6 +85,9 @@ void add_view_options(CLI::App& app, ViewOptions& view, bool with_mode) {
         ->check(number_in(0.0, 16.0));
     app.add_option("--prelit-beyond-m", settings.prelit_beyond_m, "Beyond this depth triangles have one prelit colour")
         ->check(number_in(0.0, 1e9));
+    app.add_option("--blend-within-m", settings.blend_within_m,
+                   "Blended surfaces nearer than this are sorted per pixel, farther ones shown by coverage; 0: all")
+        ->check(number_in(0.0, 1e6));
     app.add_option("--opacity", settings.opacity, "Opacity buffer: auto, software or readback")
         ->transform(CLI::CheckedTransformer(kOpacityKinds, CLI::ignore_case).description(""));
     app.add_flag("--no-panorama{false}", settings.use_panorama, "Never reuse the panoramic cache");
