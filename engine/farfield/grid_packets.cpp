@@ -302,6 +302,7 @@ class PacketCaster {
             }
             const auto nearest = hn::Load(df, packet.t + lane);
             auto hit = hn::And(hn::Not(outside), hn::And(hn::Ge(t, zero), hn::Lt(t, nearest)));
+            if (see_through) hit = hn::And(hit, hn::Ne(volume, zero));  // else no place on it could be looked up
             if (hn::AllFalse(df, hit)) continue;
             if (see_through) {
                 alignas(64) float b1[kWidth], b2[kWidth], at[kWidth], opaque[kWidth];

@@ -42,6 +42,16 @@ Status check_settings(const FrameSettings& settings) {
     if (!(settings.prelit_beyond_m >= 0.0f))
         return bad_input(
             fmt::format("settings: prelit_beyond_m {}; expected metres, [0, inf]", settings.prelit_beyond_m));
+    if (!(settings.blend_within_m >= 0.0f) || !std::isfinite(settings.blend_within_m))
+        return bad_input(
+            fmt::format("settings: blend_within_m {}; expected metres, [0, inf)", settings.blend_within_m));
+    if (!(settings.grid_cells_per_item > 0.0f && settings.grid_cells_per_item <= 64.0f))
+        return bad_input(
+            fmt::format("settings: grid_cells_per_item {}; expected (0, 64]", settings.grid_cells_per_item));
+    if (!(settings.resolution >= 0.25f && settings.resolution <= 1.0f))
+        return bad_input(fmt::format("settings: resolution {}; expected a share in [0.25, 1]", settings.resolution));
+    if (!(settings.panorama_density >= 0.25f && settings.panorama_density <= 2.0f))
+        return bad_input(fmt::format("settings: panorama_density {}; expected [0.25, 2]", settings.panorama_density));
     return {};
 }
 

@@ -40,7 +40,7 @@ void spoil(test::Random& random, FrameInput& input) {
     const double bad = std::array{std::numeric_limits<double>::quiet_NaN(), kInf, -kInf}[random.below(3)];
     const auto axis = int(random.below(3));
     scene::Instance& instance = input.dynamic[random.below(std::uint32_t(input.dynamic.size()))];
-    switch (random.below(13)) {
+    switch (random.below(17)) {
         case 0:
             input.camera.position[axis] = bad;
             break;
@@ -67,6 +67,18 @@ void spoil(test::Random& random, FrameInput& input) {
             break;
         case 8:
             input.settings.prelit_beyond_m = std::isnan(bad) ? float(bad) : -1.0f;
+            break;
+        case 13:
+            input.settings.blend_within_m = float(bad);
+            break;
+        case 14:
+            input.settings.grid_cells_per_item = float(bad);
+            break;
+        case 15:
+            input.settings.resolution = float(bad);
+            break;
+        case 16:
+            input.settings.panorama_density = float(bad);
             break;
         case 9:
             instance.position[axis] = bad;

@@ -154,7 +154,8 @@ void cast_and_count(Trial& trial, double slack, MakeRay&& make_ray) {
         const BoxWorld world = make_box_world(random);
         const scene::StaticScene scene = world.data.view();
         const auto caster = make_caster(kSubject, scene);
-        const farfield::grid::Grid grid = farfield::grid::make_mesh_grid(scene, scene.meshes[0]);
+        const farfield::grid::Grid grid =
+            farfield::grid::make_mesh_grid(scene, scene.meshes[0], farfield::kUsualGridCellsPerItem);
         for (std::size_t i = 0; i < kRays; ++i) {
             rays[i] = make_ray(random, grid, scene);
             easy_rays[i] = ordinary_ray(random);
