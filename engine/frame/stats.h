@@ -37,6 +37,7 @@ struct PixelCounts {
 };
 
 struct FrameStats {
+    bool refused = false;  ///< nothing was drawn: camera, settings or instances held numbers that are none
     double frame_ms = 0.0;
     std::array<double, kPassCount> pass_ms{};
     PixelCounts pixels;
