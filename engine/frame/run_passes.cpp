@@ -4,7 +4,8 @@
 
 #include "engine/core/check.h"
 #include "engine/core/log.h"
-#include "engine/core/stopwatch.h"
+#include "engine/frame/known_frame.h"
+#include "engine/frame/timed_pass.h"
 #include "engine/nearfield/near_renderer.h"
 
 namespace ff::frame {
@@ -14,20 +15,6 @@ using farfield::CastCost;
 using farfield::kTileSize;
 using farfield::PixelMask;
 using farfield::TileRequest;
-
-/// Times a pass from its making to its end.
-class TimedPass {
-  public:
-    TimedPass(FrameStats& stats, Pass pass) : stats_(stats), pass_(pass) {}
-    ~TimedPass() { stats_.ms(pass_) += watch_.milliseconds(); }
-    TimedPass(const TimedPass&) = delete;
-    TimedPass& operator=(const TimedPass&) = delete;
-
-  private:
-    FrameStats& stats_;
-    Pass pass_;
-    Stopwatch watch_;
-};
 
 void mark_sky(const PixelMask& sky, farfield::VisibilityBuffer& visibility) {
     for (std::size_t t = 0; t < sky.tiles.size(); ++t) {
@@ -248,6 +235,11 @@ FrameStats draw_view(const FramePlan& plan, const Tools& tools, FrameHistory& hi
         FF_CHECK(tools.near_renderer != nullptr, "mode raster needs OpenGL");
         draw_by_rasteriser(plan, tools, history, image, stats);
         stats.near_m = plan.near_m;
+        return stats;
+    }
+
+    if (plan.primitives_are_known) {
+        draw_known_frame(plan, tools, history, image, stats);
         return stats;
     }
 

@@ -13,7 +13,14 @@ enum class Mode {
     raster,   ///< everything through OpenGL, frustum culled
     raycast,  ///< every pixel through Embree
     near,     ///< OpenGL with the far plane at the near distance
+    beam,     ///< every pixel below the horizon by tile beams
+    irsa,     ///< P3 7.3: each pixel's primitive is known beforehand, by a cast that no time counts; the bound of all
 };
+
+/// Whether a frame's visibility buffer holds the primitive of every pixel: no rasterised and no cached colours.
+[[nodiscard]] constexpr bool knows_primitives(Mode mode) {
+    return mode == Mode::raycast || mode == Mode::beam || mode == Mode::irsa;
+}
 
 enum class CasterKind { beam, embree, grid };
 enum class OpacityKind { automatic, software, readback };

@@ -4,14 +4,11 @@
 #include "engine/core/jobs.h"
 #include "engine/core/log.h"
 #include "tools/ff/commands.h"
+#include "tools/ff/modes.h"
 
 namespace ff::tool {
 namespace {
 
-const std::map<std::string, frame::Mode> kModes{{"hybrid", frame::Mode::hybrid},
-                                                {"raster", frame::Mode::raster},
-                                                {"raycast", frame::Mode::raycast},
-                                                {"near", frame::Mode::near}};
 const std::map<std::string, budget::WhenLate> kWhenLate{{"coarser", budget::WhenLate::coarser},
                                                         {"stale", budget::WhenLate::stale}};
 const std::map<std::string, frame::CasterKind> kCasters{
@@ -47,8 +44,9 @@ void add_view_options(CLI::App& app, ViewOptions& view, bool with_mode) {
         ->check(CLI::Range(0, 1024));
     auto& settings = view.frame;
     if (with_mode)
-        app.add_option("--mode", settings.mode, "How frames are drawn: hybrid, raster, raycast or near")
-            ->transform(CLI::CheckedTransformer(kModes, CLI::ignore_case).description(""));
+        app.add_option("--mode", settings.mode,
+                       "How frames are drawn: hybrid, raster, raycast (= orsa), near, beam or irsa")
+            ->transform(CLI::CheckedTransformer(mode_names(), CLI::ignore_case).description(""));
     app.add_option("--budget-ms", settings.budget_ms,
                    "Keep frames within this time by giving up accuracy; 0: exact frames")
         ->check(CLI::Range(0.0, 1e5));
@@ -122,9 +120,9 @@ int run(int argc, const char* const* argv) {
     bench.modes = {"hybrid", "raster", "raycast", "near"};
     auto* bench_app = app.add_subcommand("bench", "Time the modes lap by lap and print one JSON object");
     add_view_options(*bench_app, bench.view, false);
-    bench_app->add_option("--modes", bench.modes, "Modes to compare: hybrid,raster,raycast,near")
+    bench_app->add_option("--modes", bench.modes, "Modes to compare: hybrid,raster,raycast,near,beam,orsa,irsa")
         ->delimiter(',')
-        ->check(CLI::IsMember(kModes));
+        ->check(CLI::IsMember(mode_names()));
     bench_app->add_option("--laps", bench.laps, "Laps of each mode")->check(CLI::Range(1, 1000))->capture_default_str();
     bench_app->add_option("--frames", bench.max_frames, "Only the first N frames of the walk; 0: all")
         ->check(CLI::Range(0, 1000000));
