@@ -74,6 +74,7 @@ const FrameStats& Renderer::draw(const Camera& camera, std::span<const scene::In
     stats.frame_ms = watch.milliseconds() - stats.untimed_ms;
     if (plan_.mode == Mode::hybrid) learn_costs(plan_, stats, history_.costs);
     history_.last_view = plan_.view;
+    history_.last_mode = plan_.mode;
     history_.has_frame = true;
     ++history_.frame_number;
     return stats;

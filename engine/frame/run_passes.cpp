@@ -5,6 +5,7 @@
 #include "engine/core/check.h"
 #include "engine/core/log.h"
 #include "engine/frame/known_frame.h"
+#include "engine/frame/reprojected_frame.h"
 #include "engine/frame/timed_pass.h"
 #include "engine/nearfield/near_renderer.h"
 
@@ -240,6 +241,11 @@ FrameStats draw_view(const FramePlan& plan, const Tools& tools, FrameHistory& hi
 
     if (plan.primitives_are_known) {
         draw_known_frame(plan, tools, history, image, stats);
+        return stats;
+    }
+
+    if (plan.mode == Mode::reproject) {
+        draw_reprojected_frame(plan, tools, history, image, stats);
         return stats;
     }
 

@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <string_view>
 
+#include "engine/farfield/reproject.h"
+
 namespace ff::frame {
 
 /// The passes in the order in which they run; the one list of their names.
@@ -14,6 +16,7 @@ enum class Pass : std::uint8_t {
     opacity,
     horizon,
     panorama,
+    reproject,
     verify,
     cast,
     shade,
@@ -21,9 +24,10 @@ enum class Pass : std::uint8_t {
     upscale,
     present
 };
-inline constexpr std::size_t kPassCount = 11;
-inline constexpr std::array<std::string_view, kPassCount> kPassNames{
-    "plan", "near", "opacity", "horizon", "panorama", "verify", "cast", "shade", "store", "upscale", "present"};
+inline constexpr std::size_t kPassCount = 12;
+inline constexpr std::array<std::string_view, kPassCount> kPassNames{"plan",     "near",      "opacity", "horizon",
+                                                                     "panorama", "reproject", "verify",  "cast",
+                                                                     "shade",    "store",     "upscale", "present"};
 
 /// Pixels by how they came to be (P0 Figure 11); they add up to the image as it was drawn.
 struct PixelCounts {
@@ -42,6 +46,7 @@ struct FrameStats {
     double untimed_ms = 0.0;  ///< not part of frame_ms: what mode irsa spends to know its primitives
     std::array<double, kPassCount> pass_ms{};
     PixelCounts pixels;
+    farfield::ReprojectCounts causes;  ///< mode reproject: all zero where nothing was reprojected
     std::uint64_t rays = 0;
     std::uint64_t nodes_visited = 0;
     std::uint64_t triangles_tested = 0;
@@ -58,8 +63,8 @@ struct FrameStats {
 
     /// Time that went into finding what each pixel sees, and into colouring it (P3 7.2 tells them apart).
     [[nodiscard]] double visibility_ms() const {
-        return ms(Pass::near_field) + ms(Pass::opacity) + ms(Pass::horizon) + ms(Pass::panorama) + ms(Pass::verify) +
-               ms(Pass::cast);
+        return ms(Pass::near_field) + ms(Pass::opacity) + ms(Pass::horizon) + ms(Pass::panorama) + ms(Pass::reproject) +
+               ms(Pass::verify) + ms(Pass::cast);
     }
     [[nodiscard]] double shading_ms() const {
         return ms(Pass::shade) + ms(Pass::store) + ms(Pass::upscale) + ms(Pass::present);

@@ -21,6 +21,30 @@ double quantile_of(std::vector<double> values, double share) {
     return values[rank];
 }
 
+/// P3 Figure 6, over the frames in which something was reprojected; null for modes that never do.
+nlohmann::json causes_of(const ModeRun& run) {
+    if (run.settings.mode != frame::Mode::reproject) return nullptr;
+    farfield::ReprojectCounts sum;
+    std::size_t frames = 0;
+    for (const frame::FrameStats& stats : run.stats) {
+        const farfield::ReprojectCounts& one = stats.causes;
+        sum.verified += one.verified;
+        sum.background += one.background;
+        sum.failed += one.failed;
+        sum.resampled += one.resampled;
+        sum.abrupt += one.abrupt;
+        frames += one.verified + one.background + one.failed + one.resampled + one.abrupt > 0;
+    }
+    const auto all = double(sum.verified + sum.background + sum.failed + sum.resampled + sum.abrupt);
+    const auto percent = [&](std::uint64_t n) { return all > 0 ? 100.0 * double(n) / all : 0.0; };
+    return {{"verified", percent(sum.verified)},
+            {"background", percent(sum.background)},
+            {"failed", percent(sum.failed)},
+            {"resampled", percent(sum.resampled)},
+            {"abrupt", percent(sum.abrupt)},
+            {"frames_reprojected_pct", 100.0 * double(frames) / double(run.stats.size())}};
+}
+
 }  // namespace
 
 nlohmann::json ErrorSum::report(double frames) const {
@@ -95,6 +119,7 @@ nlohmann::json report_of(const ModeRun& run, std::size_t frames, int laps) {
             {"visibility_ms", run.visibility_ms.report()},
             {"shading_ms", run.shading_ms.report()},
             {"pass_ms_mean", passes},
+            {"causes_pct", causes_of(run)},
             {"pixels_pct",
              {{"near", percent(pixels.near_field)},
               {"sky", percent(pixels.sky)},

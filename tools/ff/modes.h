@@ -10,9 +10,9 @@ namespace ff::tool {
 /// Names that --mode and --modes take. P3 calls casting every pixel ORSA, the ordinary ray shooting algorithm.
 [[nodiscard]] inline const std::map<std::string, frame::Mode>& mode_names() {
     static const std::map<std::string, frame::Mode> names{
-        {"hybrid", frame::Mode::hybrid}, {"raster", frame::Mode::raster}, {"raycast", frame::Mode::raycast},
-        {"orsa", frame::Mode::raycast},  {"near", frame::Mode::near},     {"beam", frame::Mode::beam},
-        {"irsa", frame::Mode::irsa}};
+        {"hybrid", frame::Mode::hybrid},       {"raster", frame::Mode::raster}, {"raycast", frame::Mode::raycast},
+        {"orsa", frame::Mode::raycast},        {"near", frame::Mode::near},     {"beam", frame::Mode::beam},
+        {"reproject", frame::Mode::reproject}, {"irsa", frame::Mode::irsa}};
     return names;
 }
 

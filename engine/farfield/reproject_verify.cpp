@@ -1,0 +1,142 @@
+#include <algorithm>
+#include <array>
+#include <atomic>
+
+#include "engine/core/jobs.h"
+#include "engine/farfield/reproject_votes.h"
+#include "engine/farfield/tile_regroup.h"
+
+namespace ff::farfield {
+namespace {
+
+using reprojection::Landed;
+
+constexpr std::size_t kTilesPerTask = 8;
+constexpr std::size_t kTilesTogether = 4;  // whose primitives are fetched at once
+
+struct TileWork {
+    Landed landed;
+    TileMask inside, resampled;
+    TileRequest candidates;  ///< pixels to intersect
+};
+
+/// Scratch of a task; only what is used of it is ever touched.
+struct Task {
+    PrimitiveSet primitives;
+    std::array<PrimitiveId, kTilesTogether * PrimitiveSet::kCapacity> ids;
+    std::array<KnownTriangle, kTilesTogether * PrimitiveSet::kCapacity> triangles;
+    std::array<TileWork, kTilesTogether> tiles;
+    std::array<std::size_t, kTilesTogether + 1> first{};
+};
+
+/// row = function(j) for all rows of a mask.
+template <class Function>
+TileMask mask_of(Function&& function) {
+    TileMask mask;
+    for (int j = 0; j < kTileSize; ++j) mask.rows[j] = std::uint16_t(function(j));
+    return mask;
+}
+
+void begin_tile(const AuxiliaryImage& auxiliary, const PinholeView& view, const ReprojectSettings& settings,
+                std::uint64_t frame_number, int tile_x, int tile_y, TileWork& work, PrimitiveSet& primitives) {
+    const int x = tile_x * kTileSize, y = tile_y * kTileSize;
+    read_tile(auxiliary, x, y, work.landed, primitives);
+    TileRequest whole{std::uint16_t(x), std::uint16_t(y), {}};
+    std::fill(std::begin(whole.rows), std::end(whole.rows), std::uint16_t(0xFFFF));
+    work.inside = mask_of([&](int j) { return row_inside(whole, j, view.width, view.height); });
+    work.resampled = resample_mask(settings, tile_x, tile_y, frame_number);
+    const TileMask dense = reprojection::count_around(work.landed.filled, settings.min_count);
+    work.candidates = {std::uint16_t(x), std::uint16_t(y), {}};
+    for (int j = 0; j < kTileSize; ++j)
+        work.candidates.rows[j] = std::uint16_t(work.inside.rows[j] & dense.rows[j] & ~work.resampled.rows[j]);
+}
+
+void write_background(const TileRequest& tile, const TileMask& background, VisibilityBuffer& out) {
+    for (int j = 0; j < kTileSize; ++j)
+        for (std::uint32_t left = background.rows[j]; left != 0; left &= left - 1) {
+            const std::size_t at = out.index(tile.x + std::countr_zero(left), tile.y + j);
+            out.instance[at] = kSkyInstance;
+            out.triangle[at] = 0;
+            out.depth[at] = std::numeric_limits<float>::infinity();
+        }
+}
+
+/// Counts of parallel tasks. Sums of integers: the same for any number of workers.
+struct CountsSum {
+    std::atomic<std::uint64_t> verified{0}, background{0}, failed{0}, resampled{0}, abrupt{0}, primitives{0};
+};
+
+}  // namespace
+
+ReprojectCounts Reprojection::verify(const PinholeView& view, const ReprojectSettings& settings,
+                                     std::uint64_t frame_number, VisibilityBuffer& out,
+                                     std::vector<TileRequest>& left) {
+    for (PixelMask* mask :
+         {&causes_.verified, &causes_.background, &causes_.failed, &causes_.resampled, &causes_.abrupt})
+        mask->reset(view.width, view.height);
+    const int tiles_x = causes_.failed.tiles_x;
+    const std::size_t tile_count = causes_.failed.tiles.size();
+    const beam::BeamView beam_view(view);
+    CountsSum sum;
+
+    const auto end_tile = [&](std::size_t t, const TileWork& work, std::span<const KnownTriangle> triangles) {
+        const TileRequest& asked = work.candidates;
+        TileRequest missed = asked;
+        if (!triangles.empty()) cast_known_tile(scene_, beam_view, asked, triangles, out, missed);
+        TileRequest hits = asked;
+        for (int j = 0; j < kTileSize; ++j) hits.rows[j] = std::uint16_t(asked.rows[j] & ~missed.rows[j]);
+        TileMask verified = mask_of([&](int j) { return hits.rows[j]; });
+        if (settings.vote != Vote::any && !triangles.empty())
+            verified = reprojection::count_votes(auxiliary_, out, hits, settings);
+        const TileMask sky = reprojection::count_around(work.landed.sky, std::max(1, settings.min_count));
+        const TileMask background = mask_of([&](int j) { return missed.rows[j] & sky.rows[j]; });
+        write_background(asked, background, out);
+        const TileMask near_abrupt = reprojection::count_around(work.landed.abrupt, 1);
+        const auto left_over = [&](int j) { return work.inside.rows[j] & ~verified.rows[j] & ~background.rows[j]; };
+        const TileMask resampled = mask_of([&](int j) { return left_over(j) & work.resampled.rows[j]; });
+        const TileMask abrupt = mask_of([&](int j) { return left_over(j) & ~resampled.rows[j] & near_abrupt.rows[j]; });
+        const TileMask failed = mask_of([&](int j) { return left_over(j) & ~resampled.rows[j] & ~abrupt.rows[j]; });
+        causes_.verified.tiles[t] = verified;
+        causes_.background.tiles[t] = background;
+        causes_.resampled.tiles[t] = resampled;
+        causes_.abrupt.tiles[t] = abrupt;
+        causes_.failed.tiles[t] = failed;
+        sum.verified += std::uint64_t(verified.count());
+        sum.background += std::uint64_t(background.count());
+        sum.resampled += std::uint64_t(resampled.count());
+        sum.abrupt += std::uint64_t(abrupt.count());
+        sum.failed += std::uint64_t(failed.count());
+    };
+    parallel_ranges(tile_count, kTilesPerTask, [&](std::size_t begin, std::size_t end) {
+        Task task;
+        for (std::size_t first = begin; first < end; first += kTilesTogether) {
+            const std::size_t count = std::min(kTilesTogether, end - first);
+            for (std::size_t t = 0; t < count; ++t) {
+                task.primitives.start(std::span(task.ids).subspan(task.first[t]));
+                begin_tile(auxiliary_, view, settings, frame_number, int((first + t) % std::size_t(tiles_x)),
+                           int((first + t) / std::size_t(tiles_x)), task.tiles[t], task.primitives);
+                task.first[t + 1] = task.first[t] + task.primitives.ids().size();
+            }
+            fetch_triangles(scene_, std::span(task.ids).first(task.first[count]), task.triangles);
+            for (std::size_t t = 0; t < count; ++t)
+                end_tile(first + t, task.tiles[t],
+                         std::span(task.triangles).subspan(task.first[t], task.first[t + 1] - task.first[t]));
+            sum.primitives += task.first[count];
+        }
+    });
+
+    left.clear();
+    for (std::size_t t = 0; t < tile_count; ++t) {
+        TileRequest request{std::uint16_t(t % std::size_t(tiles_x) * kTileSize),
+                            std::uint16_t(t / std::size_t(tiles_x) * kTileSize),
+                            {}};
+        std::uint32_t any = 0;
+        for (int j = 0; j < kTileSize; ++j)
+            any |= request.rows[j] = std::uint16_t(
+                causes_.failed.tiles[t].rows[j] | causes_.resampled.tiles[t].rows[j] | causes_.abrupt.tiles[t].rows[j]);
+        if (any != 0) left.push_back(request);
+    }
+    return {sum.verified, sum.background, sum.failed, sum.resampled, sum.abrupt, sum.primitives};
+}
+
+}  // namespace ff::farfield
