@@ -259,6 +259,10 @@ void fetch_triangles(const scene::StaticScene& scene, std::span<const PrimitiveI
                 triangle.corners[corner] = scene.positions[meshes[i]->first_vertex + corners[i][corner]];
             triangle.is_see_through =
                 is_see_through(scene, *meshes[i], std::size_t(meshes[i]->first_triangle) + triangle.id.triangle);
+            if (!triangle.is_see_through) continue;
+            // The alpha test will want their texture coordinates.
+            for (int corner = 0; corner < 3; ++corner)
+                __builtin_prefetch(&scene.attributes[meshes[i]->first_vertex + corners[i][corner]]);
         }
     }
 }

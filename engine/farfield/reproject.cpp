@@ -45,7 +45,7 @@ void AuxiliaryImage::resize(int new_width, int new_height) {
 void ReprojectedPoints::resize(const VisibilityBuffer& like) {
     if (target.size() == like.instance.size() && first_target.size() == std::size_t(like.height)) return;
     target.assign(like.instance.size(), kOutside);
-    for (auto* values : {&depth, &across, &down}) values->assign(like.instance.size(), 0.0f);
+    for (auto* values : {&depth, &down}) values->assign(like.instance.size(), 0.0f);
     first_target.assign(std::size_t(like.height), 0);
     last_target.assign(std::size_t(like.height), 0);
 }
@@ -56,22 +56,17 @@ bool Reprojection::reproject(const PinholeView& last_view, const VisibilityBuffe
                  last.height == view.height,
              "a view of {}x{} after one of {}x{} in a buffer of {}x{}", view.width, view.height, last_view.width,
              last_view.height, last.width, last.height);
+    FF_CHECK(view.width <= 16384, "a view {} pixels wide", view.width);
     if (settings.check_view_frustum && !is_inside_frustum(view.position, last_view)) return false;
     points_.resize(last);
     auxiliary_.resize(view.width, view.height);
     using namespace reprojection;
     const PointsJob job(last_view, last, view, settings, std::uint32_t(scene_.instances.size()), auxiliary_);
-    parallel_ranges(std::size_t(last.height), kRowsPerTask, [&](std::size_t begin, std::size_t end) {
-        project_rows(job, int(begin), int(end), points_);
-        if (!job.check_order) find_target_range(last, int(begin), int(end), points_);
-    });
-    if (job.check_order) {
+    parallel_ranges(std::size_t(last.height), kRowsPerTask,
+                    [&](std::size_t begin, std::size_t end) { project_rows(job, int(begin), int(end), points_); });
+    if (job.check_order)
         parallel_ranges(std::size_t(last.stride), kColumnsPerTask,
                         [&](std::size_t begin, std::size_t end) { check_columns(job, int(begin), int(end), points_); });
-        parallel_ranges(std::size_t(last.height), kRowsPerTask, [&](std::size_t begin, std::size_t end) {
-            find_target_range(last, int(begin), int(end), points_);
-        });
-    }
     parallel_ranges(std::size_t(auxiliary_.rows), kRowsPerTask, [&](std::size_t begin, std::size_t end) {
         fill_rows(last, points_, int(begin), int(end), auxiliary_);
     });

@@ -83,7 +83,7 @@ struct ReprojectedPoints {
     static constexpr std::int32_t kAbruptBit = 1 << 30;   ///< comes too fast
     ZeroPageVector<std::int32_t> target;                  ///< index into the AuxiliaryImage, or kOutside
     ZeroPageVector<float> depth;                          ///< from the new eye, along its view axis; +inf for sky
-    ZeroPageVector<float> across, down;                   ///< tangents from the new eye in the old orientation
+    ZeroPageVector<float> down;                           ///< tangent from the new eye in the old orientation
     std::vector<std::int32_t> first_target, last_target;  ///< per old row: least and greatest; first > last: none
 
     void resize(const VisibilityBuffer& like);

@@ -29,14 +29,18 @@ constexpr int kLanes = int(hn::MaxLanes(f));
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 constexpr float kInf = std::numeric_limits<float>::infinity();
 
+constexpr int kMaxWidth = 16384;
+
 // Targets, depths and tangents of one old row.
-HWY_INLINE void project_row(const PointsJob& job, int y, ReprojectedPoints& points) {
+HWY_INLINE void project_row(const PointsJob& job, int y, float* HWY_RESTRICT across, ReprojectedPoints& points) {
     const VisibilityBuffer& last = job.last;
     const std::size_t first = last.index(0, y);
     const Mat3& m = job.pixel_from_old;
     const VF v = hn::Set(f, float(y) * job.v_step + job.v_first);
     const VF one = hn::Set(f, 1.0f), zero = hn::Zero(f), half = hn::Set(f, 0.5f);
     const float v_sign = job.v_step < 0.0f ? -1.0f : 1.0f;
+    auto least = hn::Set(si, std::numeric_limits<std::int32_t>::max());
+    auto greatest = hn::Set(si, ReprojectedPoints::kOutside);
     for (int x = 0; x < job.width; x += kLanes) {
         const std::size_t at = first + std::size_t(x);
         const auto instance = hn::LoadU(ui, last.instance.data() + at);
@@ -55,10 +59,12 @@ HWY_INLINE void project_row(const PointsJob& job, int y, ReprojectedPoints& poin
         constexpr float kLeastW = 1e-6f;
         valid = hn::And(valid, hn::Gt(pw, hn::Set(f, kLeastW)));
         const VF per_w = hn::Div(one, pw);
-        const VF nan = hn::Set(f, kNan);
-        hn::StoreU(hn::IfThenElse(valid, hn::Mul(px, per_w), nan), f, points.across.data() + at);
-        hn::StoreU(hn::IfThenElse(valid, hn::Mul(hn::Mul(py, per_w), hn::Set(f, v_sign)), nan), f,
-                   points.down.data() + at);
+        if (job.check_order) {
+            const VF nan = hn::Set(f, kNan);
+            hn::StoreU(hn::IfThenElse(valid, hn::Mul(px, per_w), nan), f, across + x);
+            hn::StoreU(hn::IfThenElse(valid, hn::Mul(hn::Mul(py, per_w), hn::Set(f, v_sign)), nan), f,
+                       points.down.data() + at);
+        }
 
         const auto turned = [&](int row) {
             return hn::MulAdd(hn::Set(f, m[0][row]), px,
@@ -80,11 +86,15 @@ HWY_INLINE void project_row(const PointsJob& job, int y, ReprojectedPoints& poin
         const auto row_i = hn::ConvertTo(si, hn::IfThenElseZero(valid, row));
         auto target = hn::Add(hn::Add(hn::Mul(row_i, hn::Set(si, job.auxiliary_stride)), column_i),
                               hn::Set(si, job.auxiliary_first));
+        least = hn::IfThenElse(valid_i, hn::Min(least, target), least);
+        greatest = hn::IfThenElse(valid_i, hn::Max(greatest, target), greatest);
         const auto is_abrupt = hn::RebindMask(si, hn::Lt(depth, hn::Set(f, job.least_depth)));
         target = hn::Or(target, hn::IfThenElseZero(is_abrupt, hn::Set(si, ReprojectedPoints::kAbruptBit)));
         hn::StoreU(hn::IfThenElse(valid_i, target, hn::Set(si, ReprojectedPoints::kOutside)), si,
                    points.target.data() + at);
     }
+    points.first_target[std::size_t(y)] = hn::GetLane(hn::MinOfLanes(si, least));
+    points.last_target[std::size_t(y)] = hn::GetLane(hn::MaxOfLanes(si, greatest));
 }
 
 // Walks a part of a row in one direction and takes out what does not pass the farthest so far.
@@ -142,12 +152,13 @@ HWY_INLINE void check_part_of_columns(const PointsJob& job, int first_column, in
 }  // namespace
 
 void ProjectRows(const PointsJob& job, int first_row, int last_row, ReprojectedPoints& points) {
+    alignas(64) float across[kMaxWidth];  // only what is used of it is ever touched
     for (int y = first_row; y < last_row; ++y) {
-        project_row(job, y, points);
-        const std::size_t first = job.last.index(0, y);
+        project_row(job, y, across, points);
         if (!job.check_order) continue;
+        const std::size_t first = job.last.index(0, y);
         const auto check = [&](bool forwards, int begin, int end) {
-            float *const across = points.across.data() + first, *const down = points.down.data() + first;
+            float* const down = points.down.data() + first;
             std::int32_t* const target = points.target.data() + first;
             forwards ? check_part<true>(across, target, down, begin, end)
                      : check_part<false>(across, target, down, begin, end);

@@ -30,8 +30,8 @@ struct PointsJob {
     AxisOrder columns, rows;
 };
 
-/// Fills target, depth, across and down of some old rows, and takes out the points that the order along each row
-/// distrusts.
+/// Fills target, depth and down of some old rows, and bounds of their targets; takes out the points that the order
+/// along each row distrusts.
 void project_rows(const PointsJob& job, int first_row, int last_row, ReprojectedPoints& points);
 
 /// Takes out the points of some old columns that the order along each column distrusts. Multiples of 16.

@@ -69,24 +69,6 @@ HWY_INLINE void land_side_by_side(const VisibilityBuffer& last, std::size_t sour
 
 }  // namespace
 
-void FindTargetRange(const VisibilityBuffer& last, int first_row, int last_row, ReprojectedPoints& points) {
-    for (int y = first_row; y < last_row; ++y) {
-        const std::int32_t* target = points.target.data() + last.index(0, y);
-        auto least = hn::Set(si, std::numeric_limits<std::int32_t>::max());
-        auto greatest = hn::Set(si, ReprojectedPoints::kOutside);
-        for (int x = 0; x < last.width; x += kLanes) {
-            const auto here = hn::LoadU(si, target + x);
-            const auto inside = hn::And(hn::Gt(here, hn::Set(si, ReprojectedPoints::kOutside)),
-                                        hn::Lt(hn::Iota(si, x), hn::Set(si, last.width)));
-            const auto place = hn::AndNot(hn::Set(si, ReprojectedPoints::kAbruptBit), here);
-            least = hn::IfThenElse(inside, hn::Min(least, place), least);
-            greatest = hn::IfThenElse(inside, hn::Max(greatest, place), greatest);
-        }
-        points.first_target[std::size_t(y)] = hn::GetLane(hn::MinOfLanes(si, least));
-        points.last_target[std::size_t(y)] = hn::GetLane(hn::MaxOfLanes(si, greatest));
-    }
-}
-
 void FillRows(const VisibilityBuffer& last, const ReprojectedPoints& points, int first_row, int last_row,
               AuxiliaryImage& auxiliary) {
     const std::int32_t begin = first_row * auxiliary.stride, end = last_row * auxiliary.stride;
@@ -122,12 +104,7 @@ HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
 namespace ff::farfield::reprojection {
-HWY_EXPORT(FindTargetRange);
 HWY_EXPORT(FillRows);
-
-void find_target_range(const VisibilityBuffer& last, int first_row, int last_row, ReprojectedPoints& points) {
-    HWY_DYNAMIC_DISPATCH(FindTargetRange)(last, first_row, last_row, points);
-}
 
 void fill_rows(const VisibilityBuffer& last, const ReprojectedPoints& points, int first_row, int last_row,
                AuxiliaryImage& auxiliary) {

@@ -5,9 +5,6 @@
 
 namespace ff::farfield::reprojection {
 
-/// Fills first_target and last_target of some old rows.
-void find_target_range(const VisibilityBuffer& last, int first_row, int last_row, ReprojectedPoints& points);
-
 /// Empties some rows of the auxiliary image, counted with the border, and lets the points land that belong there: of
 /// those in one pixel the nearest stays, of equally near ones the first in the old image's order.
 void fill_rows(const VisibilityBuffer& last, const ReprojectedPoints& points, int first_row, int last_row,

@@ -17,6 +17,7 @@ constexpr std::size_t kTilesTogether = 4;  // whose primitives are fetched at on
 struct TileWork {
     Landed landed;
     TileMask inside, resampled;
+    TileMask all_filled;     ///< pixels around which nine points landed
     TileRequest candidates;  ///< pixels to intersect
 };
 
@@ -37,6 +38,10 @@ TileMask mask_of(Function&& function) {
     return mask;
 }
 
+bool any_of(const std::uint32_t (&rows)[kTileSize + 2]) {
+    return std::any_of(std::begin(rows), std::end(rows), [](std::uint32_t row) { return row != 0; });
+}
+
 void begin_tile(const AuxiliaryImage& auxiliary, const PinholeView& view, const ReprojectSettings& settings,
                 std::uint64_t frame_number, int tile_x, int tile_y, TileWork& work, PrimitiveSet& primitives) {
     const int x = tile_x * kTileSize, y = tile_y * kTileSize;
@@ -46,24 +51,40 @@ void begin_tile(const AuxiliaryImage& auxiliary, const PinholeView& view, const 
     work.inside = mask_of([&](int j) { return row_inside(whole, j, view.width, view.height); });
     work.resampled = resample_mask(settings, tile_x, tile_y, frame_number);
     const TileMask dense = reprojection::count_around(work.landed.filled, settings.min_count);
+    work.all_filled = reprojection::count_around(work.landed.filled, 9);
     work.candidates = {std::uint16_t(x), std::uint16_t(y), {}};
     for (int j = 0; j < kTileSize; ++j)
         work.candidates.rows[j] = std::uint16_t(work.inside.rows[j] & dense.rows[j] & ~work.resampled.rows[j]);
 }
 
 void write_background(const TileRequest& tile, const TileMask& background, VisibilityBuffer& out) {
-    for (int j = 0; j < kTileSize; ++j)
-        for (std::uint32_t left = background.rows[j]; left != 0; left &= left - 1) {
-            const std::size_t at = out.index(tile.x + std::countr_zero(left), tile.y + j);
-            out.instance[at] = kSkyInstance;
-            out.triangle[at] = 0;
-            out.depth[at] = std::numeric_limits<float>::infinity();
+    const auto write = [&](std::size_t at, std::size_t count) {
+        std::fill_n(out.instance.begin() + std::ptrdiff_t(at), count, kSkyInstance);
+        std::fill_n(out.triangle.begin() + std::ptrdiff_t(at), count, 0u);
+        std::fill_n(out.depth.begin() + std::ptrdiff_t(at), count, std::numeric_limits<float>::infinity());
+    };
+    for (int j = 0; j < kTileSize; ++j) {
+        std::uint32_t left = background.rows[j];
+        while (left != 0) {  // run by run
+            const int first = std::countr_zero(left), count = std::countr_one(left >> first);
+            write(out.index(tile.x + first, tile.y + j), std::size_t(count));
+            left &= left + (1u << first);
         }
+    }
 }
 
-/// Counts of parallel tasks. Sums of integers: the same for any number of workers.
+/// Adds up the counts of parallel tasks. Sums of integers: the same for any number of workers.
 struct CountsSum {
     std::atomic<std::uint64_t> verified{0}, background{0}, failed{0}, resampled{0}, abrupt{0}, primitives{0};
+
+    void add(const ReprojectCounts& counts) {
+        verified += counts.verified;
+        background += counts.background;
+        failed += counts.failed;
+        resampled += counts.resampled;
+        abrupt += counts.abrupt;
+        primitives += counts.primitives;
+    }
 };
 
 }  // namespace
@@ -79,36 +100,45 @@ ReprojectCounts Reprojection::verify(const PinholeView& view, const ReprojectSet
     const beam::BeamView beam_view(view);
     CountsSum sum;
 
-    const auto end_tile = [&](std::size_t t, const TileWork& work, std::span<const KnownTriangle> triangles) {
+    const auto end_tile = [&](std::size_t t, const TileWork& work, std::span<const KnownTriangle> triangles,
+                              ReprojectCounts& counts) {
         const TileRequest& asked = work.candidates;
         TileRequest missed = asked;
-        if (!triangles.empty()) cast_known_tile(scene_, beam_view, asked, triangles, out, missed);
-        TileRequest hits = asked;
-        for (int j = 0; j < kTileSize; ++j) hits.rows[j] = std::uint16_t(asked.rows[j] & ~missed.rows[j]);
-        TileMask verified = mask_of([&](int j) { return hits.rows[j]; });
-        if (settings.vote != Vote::any && !triangles.empty())
-            verified = reprojection::count_votes(auxiliary_, out, hits, settings);
-        const TileMask sky = reprojection::count_around(work.landed.sky, std::max(1, settings.min_count));
-        const TileMask background = mask_of([&](int j) { return missed.rows[j] & sky.rows[j]; });
-        write_background(asked, background, out);
-        const TileMask near_abrupt = reprojection::count_around(work.landed.abrupt, 1);
+        TileMask verified, background, abrupt;
+        if (!triangles.empty()) {
+            cast_known_tile(scene_, beam_view, asked, triangles, out, missed);
+            TileRequest hits = asked;
+            for (int j = 0; j < kTileSize; ++j) hits.rows[j] = std::uint16_t(asked.rows[j] & ~missed.rows[j]);
+            verified = settings.vote == Vote::any
+                           ? mask_of([&](int j) { return hits.rows[j]; })
+                           : reprojection::count_votes(auxiliary_, out, hits, work.all_filled, settings);
+        }
+        if (any_of(work.landed.sky)) {
+            const TileMask sky = reprojection::count_around(work.landed.sky, std::max(1, settings.min_count));
+            background = mask_of([&](int j) { return missed.rows[j] & sky.rows[j]; });
+            write_background(asked, background, out);
+        }
         const auto left_over = [&](int j) { return work.inside.rows[j] & ~verified.rows[j] & ~background.rows[j]; };
         const TileMask resampled = mask_of([&](int j) { return left_over(j) & work.resampled.rows[j]; });
-        const TileMask abrupt = mask_of([&](int j) { return left_over(j) & ~resampled.rows[j] & near_abrupt.rows[j]; });
+        if (any_of(work.landed.abrupt)) {
+            const TileMask near_abrupt = reprojection::count_around(work.landed.abrupt, 1);
+            abrupt = mask_of([&](int j) { return left_over(j) & ~resampled.rows[j] & near_abrupt.rows[j]; });
+        }
         const TileMask failed = mask_of([&](int j) { return left_over(j) & ~resampled.rows[j] & ~abrupt.rows[j]; });
         causes_.verified.tiles[t] = verified;
         causes_.background.tiles[t] = background;
         causes_.resampled.tiles[t] = resampled;
         causes_.abrupt.tiles[t] = abrupt;
         causes_.failed.tiles[t] = failed;
-        sum.verified += std::uint64_t(verified.count());
-        sum.background += std::uint64_t(background.count());
-        sum.resampled += std::uint64_t(resampled.count());
-        sum.abrupt += std::uint64_t(abrupt.count());
-        sum.failed += std::uint64_t(failed.count());
+        counts.verified += std::uint64_t(verified.count());
+        counts.background += std::uint64_t(background.count());
+        counts.resampled += std::uint64_t(resampled.count());
+        counts.abrupt += std::uint64_t(abrupt.count());
+        counts.failed += std::uint64_t(failed.count());
     };
     parallel_ranges(tile_count, kTilesPerTask, [&](std::size_t begin, std::size_t end) {
         Task task;
+        ReprojectCounts counts;
         for (std::size_t first = begin; first < end; first += kTilesTogether) {
             const std::size_t count = std::min(kTilesTogether, end - first);
             for (std::size_t t = 0; t < count; ++t) {
@@ -120,9 +150,10 @@ ReprojectCounts Reprojection::verify(const PinholeView& view, const ReprojectSet
             fetch_triangles(scene_, std::span(task.ids).first(task.first[count]), task.triangles);
             for (std::size_t t = 0; t < count; ++t)
                 end_tile(first + t, task.tiles[t],
-                         std::span(task.triangles).subspan(task.first[t], task.first[t + 1] - task.first[t]));
-            sum.primitives += task.first[count];
+                         std::span(task.triangles).subspan(task.first[t], task.first[t + 1] - task.first[t]), counts);
+            counts.primitives += task.first[count];
         }
+        sum.add(counts);
     });
 
     left.clear();

@@ -46,22 +46,28 @@ void ReadTile(const AuxiliaryImage& auxiliary, int x, int y, Landed& landed, Pri
                 return hn::And(hn::Eq(here, hn::LoadU(ui, instance + i - offset)),
                                hn::Eq(own, hn::LoadU(ui, triangle + i - offset)));
             };
-            auto known = same(1);
-            if (j > 0) known = hn::Or(known, same(auxiliary.stride));
-            fresh |= bits_of(hn::Not(known)) << i;
+            std::uint32_t known = bits_of(same(1));
+            if (i == 0) known &= ~1u;  // that neighbour asks this pixel
+            if (j > 0) known |= bits_of(same(auxiliary.stride));
+            fresh |= (~known & ((1u << kLanes) - 1u)) << i;
         }
-        const auto border = [&](int i) {
-            const std::uint32_t bit = 1u << (i + 1);
-            if (instance[i] == kSkyInstance) landed.sky[j] |= bit;
-            if (instance[i] == AuxiliaryImage::kAbrupt) landed.abrupt[j] |= bit;
-            if (instance[i] != AuxiliaryImage::kEmpty) landed.filled[j] |= bit;
-            if (instance[i] < AuxiliaryImage::kAbrupt) primitives.add(instance[i], triangle[i]);
-        };
         landed.sky[j] = sky << 1;
         landed.abrupt[j] = abrupt << 1;
         landed.filled[j] = filled << 1;
-        border(-1);
-        border(kTileSize);
+        const auto border = [&](int i, int inner) {
+            if (instance[i] == AuxiliaryImage::kEmpty) return;
+            const std::uint32_t bit = 1u << (i + 1);
+            landed.filled[j] |= bit;
+            if (instance[i] == kSkyInstance) landed.sky[j] |= bit;
+            if (instance[i] == AuxiliaryImage::kAbrupt) landed.abrupt[j] |= bit;
+            const auto shows = [&](std::ptrdiff_t other) {
+                return instance[i] == instance[other] && triangle[i] == triangle[other];
+            };
+            if (instance[i] < AuxiliaryImage::kAbrupt && !shows(inner) && !(j > 0 && shows(i - auxiliary.stride)))
+                primitives.add(instance[i], triangle[i]);
+        };
+        border(-1, 0);
+        border(kTileSize, kTileSize - 1);
         landed.filled[j] &= ~landed.abrupt[j];
         for (std::uint32_t left = fresh & filled & ~sky & ~abrupt; left != 0; left &= left - 1) {
             const int i = std::countr_zero(left);
@@ -70,8 +76,24 @@ void ReadTile(const AuxiliaryImage& auxiliary, int x, int y, Landed& landed, Pri
     }
 }
 
+// Least and greatest depth of the 3 x 3 pixels around each of a register, whatever they show.
+struct Range {
+    hn::Vec<F> least, greatest;
+};
+HWY_INLINE Range range_around(const AuxiliaryImage& auxiliary, int x, int y) {
+    Range range{hn::Set(f, 0.0f), hn::Set(f, 0.0f)};
+    for (int dy = -1; dy <= 1; ++dy) {
+        const float* at = auxiliary.depth.data() + auxiliary.index(x, y + dy);
+        const auto left = hn::LoadU(f, at - 1), middle = hn::LoadU(f, at), right = hn::LoadU(f, at + 1);
+        const auto least = hn::Min(left, hn::Min(middle, right)), greatest = hn::Max(left, hn::Max(middle, right));
+        range.least = dy < 0 ? least : hn::Min(range.least, least);
+        range.greatest = dy < 0 ? greatest : hn::Max(range.greatest, greatest);
+    }
+    return range;
+}
+
 TileMask CountVotes(const AuxiliaryImage& auxiliary, const VisibilityBuffer& hits, const TileRequest& tile,
-                    const ReprojectSettings& settings) {
+                    const TileMask& all_filled, const ReprojectSettings& settings) {
     TileMask mask;
     const bool by_surface = settings.vote == Vote::surface;
     const auto too_few = hn::Set(si, settings.min_count - 1);
@@ -84,6 +106,18 @@ TileMask CountVotes(const AuxiliaryImage& auxiliary, const VisibilityBuffer& hit
             const auto triangle = hn::LoadU(ui, hits.triangle.data() + hit);
             const auto depth = hn::LoadU(f, hits.depth.data() + hit);
             const auto slack = hn::Mul(depth, hn::Set(f, settings.surface_share));
+            const std::uint32_t asked = (std::uint32_t(tile.rows[j]) >> i) & ((1u << kLanes) - 1u);
+            if (asked == 0) continue;
+            // On a surface all nine agree.
+            if (by_surface && (asked & ~(std::uint32_t(all_filled.rows[j]) >> i)) == 0) {
+                const Range range = range_around(auxiliary, tile.x + i, tile.y + j);
+                const auto agree = bits_of(hn::RebindMask(ui, hn::And(hn::Le(hn::Sub(range.greatest, depth), slack),
+                                                                      hn::Le(hn::Sub(depth, range.least), slack))));
+                if ((asked & ~agree) == 0) {
+                    accepted |= asked << i;
+                    continue;
+                }
+            }
             auto votes = hn::Zero(si);
             for (int dy = -1; dy <= 1; ++dy)
                 for (int dx = -1; dx <= 1; ++dx) {
@@ -119,8 +153,8 @@ void read_tile(const AuxiliaryImage& auxiliary, int x, int y, Landed& landed, Pr
 }
 
 TileMask count_votes(const AuxiliaryImage& auxiliary, const VisibilityBuffer& hits, const TileRequest& tile,
-                     const ReprojectSettings& settings) {
-    return HWY_DYNAMIC_DISPATCH(CountVotes)(auxiliary, hits, tile, settings);
+                     const TileMask& all_filled, const ReprojectSettings& settings) {
+    return HWY_DYNAMIC_DISPATCH(CountVotes)(auxiliary, hits, tile, all_filled, settings);
 }
 
 TileMask count_around(const std::uint32_t (&bits)[kTileSize + 2], int least) {

@@ -21,7 +21,9 @@ void read_tile(const AuxiliaryImage& auxiliary, int x, int y, Landed& landed, Pr
 [[nodiscard]] TileMask count_around(const std::uint32_t (&bits)[kTileSize + 2], int least);
 
 /// Of a tile's hits, those for which enough of the 3 x 3 points vote; Vote::surface or Vote::primitive.
+/// @param all_filled  pixels around which nine points landed
 [[nodiscard]] TileMask count_votes(const AuxiliaryImage& auxiliary, const VisibilityBuffer& hits,
-                                   const TileRequest& tile, const ReprojectSettings& settings);
+                                   const TileRequest& tile, const TileMask& all_filled,
+                                   const ReprojectSettings& settings);
 
 }  // namespace ff::farfield::reprojection
