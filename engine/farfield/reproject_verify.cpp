@@ -42,6 +42,22 @@ bool any_of(const std::uint32_t (&rows)[kTileSize + 2]) {
     return std::any_of(std::begin(rows), std::end(rows), [](std::uint32_t row) { return row != 0; });
 }
 
+/// Asks main memory for what a tile will read and write: rows of tiles are too short for processors to see them coming.
+void prefetch_tile(const AuxiliaryImage& auxiliary, int x, int y, VisibilityBuffer& out) {
+    for (int j = -1; j <= kTileSize; ++j) {
+        const std::size_t at = auxiliary.index(x, y + j);
+        __builtin_prefetch(&auxiliary.instance[at]);
+        __builtin_prefetch(&auxiliary.triangle[at]);
+        __builtin_prefetch(&auxiliary.depth[at]);
+    }
+    for (int j = 0; j < kTileSize; ++j) {
+        const std::size_t at = out.index(x, y + j);
+        __builtin_prefetch(&out.instance[at], 1);
+        __builtin_prefetch(&out.triangle[at], 1);
+        __builtin_prefetch(&out.depth[at], 1);
+    }
+}
+
 void begin_tile(const AuxiliaryImage& auxiliary, const PinholeView& view, const ReprojectSettings& settings,
                 std::uint64_t frame_number, int tile_x, int tile_y, TileWork& work, PrimitiveSet& primitives) {
     const int x = tile_x * kTileSize, y = tile_y * kTileSize;
@@ -141,10 +157,14 @@ ReprojectCounts Reprojection::verify(const PinholeView& view, const ReprojectSet
         ReprojectCounts counts;
         for (std::size_t first = begin; first < end; first += kTilesTogether) {
             const std::size_t count = std::min(kTilesTogether, end - first);
+            const auto column_of = [&](std::size_t t) { return int((first + t) % std::size_t(tiles_x)); };
+            const auto row_of = [&](std::size_t t) { return int((first + t) / std::size_t(tiles_x)); };
+            for (std::size_t t = 0; t < count; ++t)
+                prefetch_tile(auxiliary_, column_of(t) * kTileSize, row_of(t) * kTileSize, out);
             for (std::size_t t = 0; t < count; ++t) {
                 task.primitives.start(std::span(task.ids).subspan(task.first[t]));
-                begin_tile(auxiliary_, view, settings, frame_number, int((first + t) % std::size_t(tiles_x)),
-                           int((first + t) / std::size_t(tiles_x)), task.tiles[t], task.primitives);
+                begin_tile(auxiliary_, view, settings, frame_number, column_of(t), row_of(t), task.tiles[t],
+                           task.primitives);
                 task.first[t + 1] = task.first[t] + task.primitives.ids().size();
             }
             fetch_triangles(scene_, std::span(task.ids).first(task.first[count]), task.triangles);
