@@ -50,6 +50,13 @@ void ReprojectedPoints::resize(const VisibilityBuffer& like) {
     last_target.assign(std::size_t(like.height), 0);
 }
 
+PixelCause Reprojection::Causes::at(int x, int y) const {
+    if (verified.test(x, y)) return PixelCause::verified;
+    if (background.test(x, y)) return PixelCause::background;
+    if (resampled.test(x, y)) return PixelCause::resampled;
+    return abrupt.test(x, y) ? PixelCause::abrupt : PixelCause::failed;
+}
+
 bool Reprojection::reproject(const PinholeView& last_view, const VisibilityBuffer& last, const PinholeView& view,
                              const ReprojectSettings& settings) {
     FF_CHECK(last_view.width == view.width && last_view.height == view.height && last.width == view.width &&

@@ -51,7 +51,10 @@ struct ReprojectSettings {
     bool use_background = true;   ///< P3 5.2: sky is reprojected like everything else
 };
 
-/// Pixels by cause (P3 Figure 6); they add up to the image.
+/// How a pixel's answer came about (P3 Figure 6).
+enum class PixelCause : std::uint8_t { verified, background, failed, resampled, abrupt };
+
+/// Pixels by cause; they add up to the image.
 struct ReprojectCounts {
     std::uint64_t verified = 0;    ///< seen by one intersection
     std::uint64_t background = 0;  ///< sky that was sky
@@ -115,6 +118,7 @@ class Reprojection {
     /// Of the last verify(): pixels by cause.
     struct Causes {
         PixelMask verified, background, failed, resampled, abrupt;
+        [[nodiscard]] PixelCause at(int x, int y) const;
     };
     [[nodiscard]] const Causes& causes() const { return causes_; }
     [[nodiscard]] const AuxiliaryImage& auxiliary() const { return auxiliary_; }

@@ -75,6 +75,29 @@ TEST_F(FrameTest, beams_and_known_primitives_draw_what_raycast_draws) {
     }
 }
 
+TEST_F(FrameTest, a_reprojecting_walker_verifies_most_pixels_and_draws_what_raycast_draws) {
+    Renderer renderer(scene, casters, nullptr, kWidth, kHeight);
+    Renderer raycast(scene, casters, nullptr, kWidth, kHeight);
+    shading::Image image, reference;
+    for (int f = 0; f < 20; ++f) {
+        Camera camera = street_camera(0.3 + 0.005 * f);
+        camera.position += world_from_camera(camera) * DVec3(0.0, 0.0, -0.03 * f);
+        const FrameStats& stats = renderer.draw(camera, {}, {.mode = Mode::reproject}, image);
+        const PixelCounts& pixels = stats.pixels;
+        EXPECT_EQ(pixels.sky + pixels.verified + pixels.cast_hit + pixels.cast_miss, std::uint64_t(kWidth * kHeight));
+        if (f > 0) {
+            EXPECT_GE(pixels.sky + pixels.verified, std::uint64_t(0.8 * kWidth * kHeight)) << "frame " << f;
+        }
+        raycast.draw(camera, {}, {.mode = Mode::raycast}, reference);
+        EXPECT_LE(farfield::count_wrong_pixels(renderer.history().visibility, raycast.history().visibility),
+                  std::uint64_t(0.005 * kWidth * kHeight))
+            << "frame " << f;
+    }
+    // Another mode in between leaves nothing to reproject, or something that is right.
+    renderer.draw(street_camera(1.0), {}, {}, image);
+    EXPECT_EQ(renderer.draw(street_camera(1.0), {}, {.mode = Mode::reproject}, image).pixels.verified, 0u);
+}
+
 TEST_F(FrameTest, a_turning_hybrid_reuses_most_pixels_and_stays_close_to_raycast) {
     Renderer hybrid(scene, casters, nullptr, kWidth, kHeight);
     Renderer raycast(scene, casters, nullptr, kWidth, kHeight);
