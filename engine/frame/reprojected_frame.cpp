@@ -1,5 +1,7 @@
 #include "engine/frame/reprojected_frame.h"
 
+#include "engine/farfield/reproject_cast.h"
+#include "engine/farfield/tile_regroup.h"
 #include "engine/frame/timed_pass.h"
 
 namespace ff::frame {
@@ -39,11 +41,13 @@ void draw_reprojected_frame(const FramePlan& plan, const Tools& tools, FrameHist
     {
         const TimedPass timed(stats, Pass::cast);
         const farfield::CastCost cost =
-            tools.casters.get(plan.caster).cast_tiles(plan.view, history.requests, history.visibility);
+            farfield::cast_left_over(tools.casters.get(CasterKind::embree), tools.casters.get(plan.caster), plan.view,
+                                     history.requests, history.wanted, history.to_shade, history.visibility);
         stats.rays = cost.rays;
         stats.nodes_visited = cost.nodes;
         stats.triangles_tested += cost.triangles;
-        stats.pixels.cast_hit = cost.rays;
+        stats.pixels.cast_miss = farfield::count_sky(history.requests, history.visibility);
+        stats.pixels.cast_hit = cost.rays - stats.pixels.cast_miss;
     }
     if (!plan.dynamic.empty()) {
         const TimedPass timed(stats, Pass::cast);

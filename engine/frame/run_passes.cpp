@@ -1,9 +1,8 @@
 #include "engine/frame/run_passes.h"
 
-#include <bit>
-
 #include "engine/core/check.h"
 #include "engine/core/log.h"
+#include "engine/farfield/tile_regroup.h"
 #include "engine/frame/known_frame.h"
 #include "engine/frame/reprojected_frame.h"
 #include "engine/frame/timed_pass.h"
@@ -72,19 +71,6 @@ void subtract(std::span<const TileRequest> wanted, std::span<const TileRequest> 
     mark(wanted, mask);
     for (const TileRequest& request : left)
         for (int row = 0; row < kTileSize; ++row) tile_of(mask, request).rows[row] &= std::uint16_t(~request.rows[row]);
-}
-
-std::uint64_t count_misses(std::span<const TileRequest> requests, const farfield::VisibilityBuffer& visibility) {
-    std::uint64_t misses = 0;
-    for (const TileRequest& request : requests)
-        for (int row = 0; row < kTileSize; ++row) {
-            if (request.rows[row] == 0) continue;
-            const std::uint32_t* instance = &visibility.instance[visibility.index(request.x, request.y + row)];
-            unsigned sky = 0;
-            for (unsigned i = 0; i < kTileSize; ++i) sky |= unsigned(instance[i] == farfield::kSkyInstance) << i;
-            misses += std::uint64_t(std::popcount(sky & request.rows[row]));
-        }
-    return misses;
 }
 
 /// OpenGL ran out of something in the middle of a frame: the frame goes on without it.
@@ -304,7 +290,7 @@ FrameStats draw_view(const FramePlan& plan, const Tools& tools, FrameHistory& hi
         stats.nodes_visited += cost.nodes;
         stats.triangles_tested += cost.triangles;
         const std::uint64_t pixels = sources.cast.count();
-        stats.pixels.cast_miss = count_misses(*casts, visibility);
+        stats.pixels.cast_miss = farfield::count_sky(*casts, visibility);
         stats.pixels.cast_hit = pixels - stats.pixels.cast_miss;
     }
 

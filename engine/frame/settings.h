@@ -37,8 +37,8 @@ struct FrameSettings {
     float max_parallax_px = 0.5f;  ///< a panorama texel is reused up to this predicted parallax. [0, 16]
     float prelit_beyond_m = std::numeric_limits<float>::infinity();  ///< P1 4.6; metres
     OpacityKind opacity = OpacityKind::automatic;
-    farfield::ReprojectSettings reproject;             ///< mode reproject
-    CasterKind reproject_caster = CasterKind::embree;  ///< who casts what it leaves
+    farfield::ReprojectSettings reproject;           ///< mode reproject
+    CasterKind reproject_caster = CasterKind::beam;  ///< of tiles that it leaves; single pixels go to Embree
     bool use_panorama = true;
     bool use_horizon = true;
     bool deterministic = false;  ///< decide from recorded costs, so that the same inputs give the same bits

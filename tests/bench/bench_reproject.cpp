@@ -15,6 +15,7 @@
 #include "engine/core/jobs.h"
 #include "engine/farfield/known_pixels.h"
 #include "engine/farfield/reproject.h"
+#include "engine/farfield/reproject_cast.h"
 #include "engine/farfield/visibility_difference.h"
 #include "engine/shading/shading_pass.h"
 #include "tests/bench/cpu_watch.h"
@@ -95,15 +96,15 @@ class Bench {
             variant.visibility.resize(kWidth, kHeight);
             variants_.push_back(std::move(variant));
         };
-        add("reproject", {}, *orsa_);
-        add("reproject, beams cast the rest", {.resample_block_px = 16}, *beams_);
+        add("reproject", {}, *beams_);
+        add("reproject, ORSA alone casts the rest", {.resample_block_px = 4}, *orsa_);
         add("P3's vote, single pixels resampled", {.vote = farfield::Vote::primitive, .resample_block_px = 1}, *orsa_);
-        add("without frustum", {.check_view_frustum = false}, *orsa_);
-        add("without occlusion", {.check_occlusion = false}, *orsa_);
-        add("without abrupt", {.check_abrupt = false}, *orsa_);
-        add("without resampling", {.resample_period = 0}, *orsa_);
-        add("without background", {.use_background = false}, *orsa_);
-        add("without vote", {.vote = farfield::Vote::any}, *orsa_);
+        add("without frustum", {.check_view_frustum = false}, *beams_);
+        add("without occlusion", {.check_occlusion = false}, *beams_);
+        add("without abrupt", {.check_abrupt = false}, *beams_);
+        add("without resampling", {.resample_period = 0}, *beams_);
+        add("without background", {.use_background = false}, *beams_);
+        add("without vote", {.vote = farfield::Vote::any}, *beams_);
         truth_.resize(kWidth, kHeight);
         visibility_.resize(kWidth, kHeight);
         image_.resize(kWidth, kHeight);
@@ -181,7 +182,7 @@ class Bench {
                                median_of(a.visibility_ms) / median_of(b.visibility_ms));
         };
         fmt::print(
-            "\nMedians of frames (of visibility alone): ORSA/reproject {}, reproject/IRSA {}; with beams {}, {}; "
+            "\nMedians of frames (of visibility alone): ORSA/reproject {}, reproject/IRSA {}; with ORSA alone {}, {}; "
             "ORSA/beams {}, beams/IRSA {}, ORSA/IRSA {}.\n",
             ratio(orsa, ours), ratio(ours, irsa), ratio(orsa, variants_[1].method), ratio(variants_[1].method, irsa),
             ratio(orsa, beam), ratio(beam, irsa), ratio(orsa, irsa));
@@ -235,7 +236,7 @@ class Bench {
             v.left = tiles_;
         }
         watch.restart();
-        v.caster->cast_tiles(view, v.left, v.visibility);
+        farfield::cast_left_over(*orsa_, *v.caster, view, v.left, few_, much_, v.visibility);
         const double cast_ms = watch.milliseconds();
         v.last_view = view;
         v.method.end_frame(reproject_ms, verify_ms, cast_ms, shade(view, v.visibility));
@@ -247,6 +248,7 @@ class Bench {
     Method orsa_method_{"ORSA (Embree)"}, beams_method_{"tile beams"}, irsa_method_{"IRSA"};
     farfield::VisibilityBuffer truth_, visibility_;
     shading::Image image_;
+    std::vector<farfield::TileRequest> few_, much_;
     const std::vector<farfield::TileRequest> tiles_ = whole_image();
 };
 

@@ -66,7 +66,7 @@ void add_reproject_options(CLI::App& app, frame::FrameSettings& settings) {
                    "Pixels that are cast for it lie in blocks of this side")
         ->check(CLI::IsMember({1, 2, 4, 8, 16}));
     app.add_option("--reproject-caster", settings.reproject_caster,
-                   "Who casts what mode reproject leaves: embree, beam or grid")
+                   "Who casts the tiles that mode reproject leaves: beam, embree or grid; single pixels go to Embree")
         ->transform(CLI::CheckedTransformer(kCasters, CLI::ignore_case).description(""));
 }
 
