@@ -13,7 +13,9 @@
 #include "engine/farfield/panorama.h"
 #include "engine/farfield/pixel_mask.h"
 #include "engine/farfield/ray_caster.h"
+#include "engine/farfield/reproject.h"
 #include "engine/farfield/visibility_buffer.h"
+#include "engine/frame/settings.h"
 #include "engine/frame/stats.h"
 #include "engine/math/camera.h"
 #include "engine/shading/layer_pass.h"
@@ -44,6 +46,7 @@ struct FrameHistory {
     shading::LayerScratch layers;                  ///< scratch: transparent layers on their way into the image
     shading::Image reduced;                        ///< a frame that is drawn smaller than it is shown
     shading::Upscaler upscaler;
+    std::unique_ptr<farfield::Reprojection> reprojection;  ///< made when a plan first asks for it
     SourceMasks sources;
     std::vector<farfield::TileRequest> wanted;    ///< scratch: what neither near field nor horizon answers
     std::vector<farfield::TileRequest> requests;  ///< scratch: what is to be cast
@@ -56,6 +59,7 @@ struct FrameHistory {
     bool has_frame = false;
     int rest_frames = 0;  ///< frames since the viewer last moved
     PinholeView last_view;
+    Mode last_mode = Mode::hybrid;
     FrameStats last_stats;
     std::uint64_t frame_number = 0;
 

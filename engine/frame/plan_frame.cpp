@@ -161,6 +161,20 @@ void plan_frame(const scene::StaticScene& scene, std::span<const scene::Instance
         case Mode::raycast:
             plan.caster = CasterKind::embree;
             return;
+        case Mode::beam:
+            plan.caster = CasterKind::beam;
+            plan.trace_horizon = settings.use_horizon && scene.height_grid.size > 0;
+            return;
+        case Mode::irsa:
+            plan.caster = CasterKind::embree;
+            plan.primitives_are_known = true;
+            return;
+        case Mode::reproject:
+            plan.caster = settings.reproject_caster;
+            plan.reproject = settings.reproject;
+            plan.may_reproject = history.has_frame && knows_primitives(history.last_mode) &&
+                                 history.visibility.width == width && history.visibility.height == height;
+            return;
         case Mode::hybrid:
             break;
     }
@@ -189,7 +203,7 @@ void plan_frame(const scene::StaticScene& scene, std::span<const scene::Instance
 }
 
 std::string to_text(const FramePlan& plan) {
-    constexpr const char* kModes[] = {"hybrid", "raster", "raycast", "near"};
+    constexpr const char* kModes[] = {"hybrid", "raster", "raycast", "near", "beam", "reproject", "irsa"};
     constexpr const char* kCasters[] = {"beam", "embree", "grid"};
     std::string text = fmt::format("mode {}\nnear field {}, {} m\nhorizon {}, every {} azimuths\n",
                                    kModes[int(plan.mode)], plan.rasterise ? "rasterised" : "none", plan.near_m,

@@ -86,9 +86,10 @@ const FrameStats& Renderer::draw(const Camera& camera, std::span<const scene::In
     history_.last_stats = run_passes(plan_, tools_, history_, image);
     FrameStats& stats = history_.last_stats;
     stats.ms(Pass::plan) = plan_ms;
-    stats.frame_ms = watch.milliseconds();
+    stats.frame_ms = watch.milliseconds() - stats.untimed_ms;
     if (plan_.mode == Mode::hybrid) learn_costs(plan_, stats, history_.costs);
     history_.last_view = plan_.view;
+    history_.last_mode = plan_.mode;
     history_.has_frame = true;
     ++history_.frame_number;
     return stats;

@@ -5,7 +5,10 @@
 
 #include "engine/core/check.h"
 #include "engine/core/log.h"
-#include "engine/core/stopwatch.h"
+#include "engine/farfield/tile_regroup.h"
+#include "engine/frame/known_frame.h"
+#include "engine/frame/reprojected_frame.h"
+#include "engine/frame/timed_pass.h"
 #include "engine/nearfield/near_renderer.h"
 
 namespace ff::frame {
@@ -15,20 +18,6 @@ using farfield::CastCost;
 using farfield::kTileSize;
 using farfield::PixelMask;
 using farfield::TileRequest;
-
-/// Times a pass from its making to its end.
-class TimedPass {
-  public:
-    TimedPass(FrameStats& stats, Pass pass) : stats_(stats), pass_(pass) {}
-    ~TimedPass() { stats_.ms(pass_) += watch_.milliseconds(); }
-    TimedPass(const TimedPass&) = delete;
-    TimedPass& operator=(const TimedPass&) = delete;
-
-  private:
-    FrameStats& stats_;
-    Pass pass_;
-    Stopwatch watch_;
-};
 
 void mark_sky(const PixelMask& sky, farfield::VisibilityBuffer& visibility) {
     for (std::size_t t = 0; t < sky.tiles.size(); ++t) {
@@ -92,19 +81,6 @@ void subtract(std::span<const TileRequest> wanted, std::span<const TileRequest> 
     mark(wanted, mask);
     for (const TileRequest& request : left)
         for (int row = 0; row < kTileSize; ++row) tile_of(mask, request).rows[row] &= std::uint16_t(~request.rows[row]);
-}
-
-std::uint64_t count_misses(std::span<const TileRequest> requests, const farfield::VisibilityBuffer& visibility) {
-    std::uint64_t misses = 0;
-    for (const TileRequest& request : requests)
-        for (int row = 0; row < kTileSize; ++row) {
-            if (request.rows[row] == 0) continue;
-            const std::uint32_t* instance = &visibility.instance[visibility.index(request.x, request.y + row)];
-            unsigned sky = 0;
-            for (unsigned i = 0; i < kTileSize; ++i) sky |= unsigned(instance[i] == farfield::kSkyInstance) << i;
-            misses += std::uint64_t(std::popcount(sky & request.rows[row]));
-        }
-    return misses;
 }
 
 /// OpenGL ran out of something in the middle of a frame: the frame goes on without it.
@@ -271,22 +247,11 @@ farfield::RayCaster& Casters::get(CasterKind kind, double grid_cells_per_item) {
 
 namespace {
 
-/// All passes but the last, at the size of the plan's view.
-FrameStats draw_view(const FramePlan& plan, const Tools& tools, FrameHistory& history, shading::Image& image) {
-    FrameStats stats;
-    history.fit(plan.view.width, plan.view.height);
+/// Every surface but transparent layers, each pixel by the cheapest source that is right.
+void draw_surfaces(const FramePlan& plan, const Tools& tools, FrameHistory& history, shading::Image& image,
+                   FrameStats& stats) {
     farfield::VisibilityBuffer& visibility = history.visibility;
     SourceMasks& sources = history.sources;
-    for (PixelMask* mask :
-         {&sources.near_field, &sources.sky, &sources.panorama, &sources.cast, &sources.dynamic, &sources.verified})
-        mask->reset(plan.view.width, plan.view.height);
-
-    if (plan.mode == Mode::raster || plan.mode == Mode::near) {
-        FF_CHECK(tools.near_renderer != nullptr, "mode raster needs OpenGL");
-        draw_by_rasteriser(plan, tools, history, image, stats);
-        stats.near_m = plan.near_m;
-        return stats;
-    }
 
     // Near field: what is close enough that triangles are cheaper than pixels.
     if (plan.rasterise) {
@@ -344,7 +309,7 @@ FrameStats draw_view(const FramePlan& plan, const Tools& tools, FrameHistory& hi
         stats.nodes_visited += cost.nodes;
         stats.triangles_tested += cost.triangles;
         const std::uint64_t pixels = sources.cast.count();
-        stats.pixels.cast_miss = count_misses(*casts, visibility);
+        stats.pixels.cast_miss = farfield::count_sky(*casts, visibility);
         stats.pixels.cast_hit = pixels - stats.pixels.cast_miss;
     }
 
@@ -374,10 +339,30 @@ FrameStats draw_view(const FramePlan& plan, const Tools& tools, FrameHistory& hi
         collect_requests(history.all_tiles, others, history.to_store);
         history.panorama->store(plan.view, history.to_store, visibility, image.pixels, image.stride);
     }
+}
 
-    // Transparent layers, over everything and remembered by nothing.
-    if (may_have_layers(plan, tools)) blend_layers(plan, tools, history, image, stats);
+/// All passes but the last, at the size of the plan's view.
+FrameStats draw_view(const FramePlan& plan, const Tools& tools, FrameHistory& history, shading::Image& image) {
+    FrameStats stats;
+    history.fit(plan.view.width, plan.view.height);
+    SourceMasks& sources = history.sources;
+    for (PixelMask* mask :
+         {&sources.near_field, &sources.sky, &sources.panorama, &sources.cast, &sources.dynamic, &sources.verified})
+        mask->reset(plan.view.width, plan.view.height);
 
+    if (plan.mode == Mode::raster || plan.mode == Mode::near) {
+        FF_CHECK(tools.near_renderer != nullptr, "mode raster needs OpenGL");
+        draw_by_rasteriser(plan, tools, history, image, stats);
+    } else {
+        if (plan.primitives_are_known)
+            draw_known_frame(plan, tools, history, image, stats);
+        else if (plan.mode == Mode::reproject)
+            draw_reprojected_frame(plan, tools, history, image, stats);
+        else
+            draw_surfaces(plan, tools, history, image, stats);
+        // Transparent layers, over everything and remembered by nothing.
+        if (may_have_layers(plan, tools)) blend_layers(plan, tools, history, image, stats);
+    }
     stats.near_m = plan.near_m;
     stats.ray_budget = plan.ray_budget;
     return stats;

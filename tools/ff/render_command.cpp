@@ -31,7 +31,8 @@ Status run_render(const RenderOptions& options) {
              options.frame, stats.frame_ms, stats.pixels.near_field, stats.pixels.sky, stats.pixels.panorama,
              stats.pixels.cast_hit, stats.pixels.cast_miss);
     for (std::size_t i = 0; i < kDebugViewNames.size(); ++i)
-        if (options.debug_view == kDebugViewNames[i]) draw_debug_view(DebugView(i), *renderer, image);
+        if (options.debug_view == kDebugViewNames[i])
+            draw_debug_view(DebugView(i), *renderer, session->casters(), image);
     return write_image(options.output, image);
 }
 

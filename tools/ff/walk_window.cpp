@@ -149,7 +149,7 @@ Status walk_in_window(const WalkOptions& options) {
         FF_TRY(renderer->refusal());
         if (input.pressed(Key::f1)) show_overlay = !show_overlay;
         if (input.pressed(Key::f2)) debug_view = (debug_view + 1) % int(kDebugViewNames.size());
-        draw_debug_view(DebugView(debug_view), *renderer, image);
+        draw_debug_view(DebugView(debug_view), *renderer, casters, image);
         FF_TRY(near_renderer.present(image, size.width, size.height));
         std::rotate(recent_ms.begin(), recent_ms.begin() + 1, recent_ms.end());
         recent_ms.back() = float(stats.frame_ms);
