@@ -59,25 +59,25 @@ constexpr HardCase kCases[] = {
      rays_from_far_outside<Subject::embree>},
     {"rays_from_far_outside.grid", kFarOutside, kSlabs, "", 1000000, 0, 0, 1.5, rays_from_far_outside<Subject::grid>},
 
-    {"slivers.beam", kSlivers, kLine, "of the depth", 500000, 0.03, 10, 1.5, slivers<Subject::beam>},
+    {"slivers.beam", kSlivers, kLine, "of the depth", 500000, 0, 1e-5, 4, slivers<Subject::beam>},
     {"slivers.embree", kSlivers, kLine, "of the depth", 500000, 0.03, 20, 1.5, slivers<Subject::embree>},
     {"slivers.grid", kSlivers, kLine, "of the depth", 500000, 0, 1e-5, 1.5, slivers<Subject::grid>},
 
-    {"duplicates.beam", kDuplicates, kBruteForce, "of the depth", 200000, 0, 2e-3, 2, duplicates<Subject::beam>},
+    {"duplicates.beam", kDuplicates, kBruteForce, "of the depth", 200000, 0, 1e-4, 3, duplicates<Subject::beam>},
     {"duplicates.embree", kDuplicates, kBruteForce, "of the depth", 200000, 0, 1e-4, 1.5, duplicates<Subject::embree>},
-    {"duplicates.grid", kDuplicates, kBruteForce, "of the depth", 200000, 0, 1e-4, 2.5, duplicates<Subject::grid>},
+    {"duplicates.grid", kDuplicates, kBruteForce, "of the depth", 200000, 0, 1e-4, 3, duplicates<Subject::grid>},
 
     {"coincident_winner.beam", kWinner, kRepeated, "", 500000, 0, 0, 0, coincident_winner<Subject::beam>},
     {"coincident_winner.embree", kWinner, kRepeated, "", 500000, 0, 0, 0, coincident_winner<Subject::embree>},
     {"coincident_winner.grid", kWinner, kRepeated, "", 500000, 0, 0, 0, coincident_winner<Subject::grid>},
 
-    {"huge_beside_tiny.beam", kHuge, kBruteForce, "of the depth", 200000, 0, 1e-2, 4, huge_beside_tiny<Subject::beam>},
+    {"huge_beside_tiny.beam", kHuge, kBruteForce, "of the depth", 200000, 0, 1e-2, 10, huge_beside_tiny<Subject::beam>},
     {"huge_beside_tiny.embree", kHuge, kBruteForce, "of the depth", 200000, 0, 1e-4, 2,
      huge_beside_tiny<Subject::embree>},
     {"huge_beside_tiny.grid", kHuge, kBruteForce, "of the depth", 200000, 0, 1e-4, 2, huge_beside_tiny<Subject::grid>},
 
     {"depth_order.beam", kDepths, kBruteForce, "of the depth", 200000, 0, 1e-5, 2, depth_order<Subject::beam>},
-    {"depth_order.embree", kDepths, kBruteForce, "of the depth", 200000, 0.25, 1, 1.5, depth_order<Subject::embree>},
+    {"depth_order.embree", kDepths, kBruteForce, "of the depth", 200000, 0.5, 1, 1.5, depth_order<Subject::embree>},
     {"depth_order.grid", kDepths, kBruteForce, "of the depth", 200000, 0, 1e-5, 1.5, depth_order<Subject::grid>},
     {"picture_far_away.1e3m", kFarAway, kAtOrigin, "", 1000000, 1e-3, 0, 1.5, picture_far_away<1000>},
     {"picture_far_away.1e6m", kFarAway, kAtOrigin, "", 1000000, 1e-3, 0, 1.5, picture_far_away<1000000>},
