@@ -99,7 +99,7 @@ constexpr HardCase kCases[] = {
     {"clock.ticks", "30 days of frames, some of no time, of ten seconds, or backwards: no tick is gained or lost",
      "exact: 128-bit whole numbers", "ticks", 155520000, 0, 0, 0, clock_ticks},
     {"budget.choices", "costs of zero, tiny, huge, noisy (x10), lies, no numbers: in range, no oscillation, recovers",
-     "one who never saw trouble", "turns in 100 frames", 1000000, 0, 12, 0, budget_choices},
+     "one who never saw trouble", "turns in 100 frames", 1000000, 1e-5, 12, 0, budget_choices},
     {"budget.plans",
      "the same through the frame plan, budgets from 1 ps to 1000 s: pictures of a size that can be drawn", "ranges", "",
      200000, 0, 0, 0, budget_plans},
