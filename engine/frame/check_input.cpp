@@ -52,6 +52,8 @@ Status check_settings(const FrameSettings& settings) {
         return bad_input(fmt::format("settings: resolution {}; expected a share in [0.25, 1]", settings.resolution));
     if (!(settings.panorama_density >= 0.25f && settings.panorama_density <= 2.0f))
         return bad_input(fmt::format("settings: panorama_density {}; expected [0.25, 2]", settings.panorama_density));
+    if (const float share = settings.reproject.surface_share; !(share >= 0.0f && share <= 1.0f))
+        return bad_input(fmt::format("settings: reproject.surface_share {}; expected [0, 1]", share));
     return {};
 }
 
