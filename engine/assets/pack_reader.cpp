@@ -87,6 +87,7 @@ Status PackReader::read_header_and_table() {
 
     // A copy, so that it is aligned wherever the bytes came from. The verifier looks at every offset in it.
     const auto table_bytes = bytes_.subspan(header.table_offset, header.table_bytes);
+    content_hash_ = header.table_hash;
     if (const std::uint64_t hash = hash_bytes(table_bytes); hash != header.table_hash)
         return error_at(header.table_offset,
                         fmt::format("the table is damaged: hash {:016x}; expected {:016x}", hash, header.table_hash));

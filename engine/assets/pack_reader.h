@@ -46,6 +46,8 @@ class PackReader {
     [[nodiscard]] const Chunk* find(std::string_view name) const;
     [[nodiscard]] std::uint64_t file_bytes() const { return bytes_.size(); }
     [[nodiscard]] const std::string& file_name() const { return name_; }
+    /// Names the contents: packs that differ anywhere have different ones.
+    [[nodiscard]] std::uint64_t content_hash() const { return content_hash_; }
 
     /// Fills all targets, blocks in parallel; a chunk that is not there or of another size is our own mistake (ask
     /// find() first). On an error the targets' contents are unspecified; of several bad blocks the first is named.
@@ -68,6 +70,7 @@ class PackReader {
     [[nodiscard]] Error error_at(std::uint64_t offset, std::string_view what) const;
 
     std::string name_;
+    std::uint64_t content_hash_ = 0;
     MappedFile file_;
     std::span<const std::byte> bytes_;
     std::vector<Chunk> chunks_;

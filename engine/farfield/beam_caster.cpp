@@ -14,6 +14,16 @@ BeamView::BeamView(const PinholeView& pinhole)
       camera_from_world(glm::transpose(DMat3(pinhole.world_from_camera))),
       pixel_angle(pinhole.pixel_angle()) {}
 
+AlphaRays BeamView::alpha_rays(int x, int y) const {
+    constexpr float kMiddle = 0.5f * kTileSize;
+    return {.pixel_angle = pixel_angle,
+            .u_step = view.u_step,
+            .u_middle = (float(x) + kMiddle) * view.u_step + view.u_first,
+            .v_step = view.v_step,
+            .v_middle = (float(y) + kMiddle) * view.v_step + view.v_first,
+            .blend_within_m = view.blend_within_m};
+}
+
 DMat3 BeamView::tile_from_world(int x, int y) const {
     // u = (px + 0.5) u_step + u_first, px = X + x + 7.5; the view axis is -z.
     const double scale_x = 1.0 / double(view.u_step), scale_y = 1.0 / double(view.v_step);

@@ -149,7 +149,10 @@ HWY_INLINE VF farthest_under(VF x0, VF x1, VF y0, VF y1, const Tile& tile) {
 // Sets up kLanes triangles from `first` on; returns those that may win a pixel, as bits.
 // @tparam kProjected  every vertex of the leaf can be projected.
 // @tparam kDirect     the leaf's vertices lie as registers need them.
-template <bool kProjected, bool kDirect>
+// @tparam kWidened    edge functions are stored widened by their rounding error; else as they are: those of an edge
+// that
+//                     two triangles share are then exactly opposite, so that a pixel can be given to one of the two.
+template <bool kProjected, bool kDirect, bool kWidened = true>
 HWY_NOINLINE std::uint32_t set_up(const BvhLeaf& leaf, int first, const Tile& tile, LeafScratch& s) {
     const int count = leaf.vertex_count;
     VI index[3];
@@ -274,7 +277,7 @@ HWY_NOINLINE std::uint32_t set_up(const BvhLeaf& leaf, int first, const Tile& ti
     for (int k = 0; k < 3; ++k) {
         hn::Store(e[k].a, f, s.a[k] + first);
         hn::Store(e[k].b, f, s.b[k] + first);
-        hn::Store(e[k].c, f, s.c[k] + first);
+        hn::Store(kWidened ? e[k].c : plain_c[k], f, s.c[k] + first);
         hn::Store(scale[k], f, s.weight[k] + first);
     }
     hn::Store(gx, f, s.gx + first);

@@ -293,8 +293,9 @@ class PacketCaster {
                 const AlphaSurface surface = make_alpha_surface(scene, instance, id, triangle);
                 const float pixel_angle = view_.pixel_angle();
                 for (std::size_t i = 0; i < hn::Lanes(df); ++i) {
-                    const bool is_hit = std::bit_cast<std::uint32_t>(opaque[i]) != 0;
-                    opaque[i] = is_hit && is_opaque_at(surface, b1[i], b2[i], pixel_angle * at[i]) ? 1.0f : 0.0f;
+                    if (std::bit_cast<std::uint32_t>(opaque[i]) == 0) continue;
+                    const bool in_layer = is_in_layer(surface, at[i], layer_depth(packet, int(lane + i)));
+                    opaque[i] = is_opaque_at(surface, b1[i], b2[i], pixel_angle * at[i], in_layer) ? 1.0f : 0.0f;
                 }
                 hit = hn::Gt(hn::Load(df, opaque), zero);
                 if (hn::AllFalse(df, hit)) continue;
@@ -314,12 +315,19 @@ class PacketCaster {
         limit_ = hn::GetLane(hn::MaxOfLanes(df, far));
     }
 
+    /// Depth before which blended hits are transparent layers (alpha_test.h).
+    [[nodiscard]] float layer_depth(const Packet& packet, int lane) const {
+        const Directions& d = packet.world;
+        return view_.blend_within_m / glm::length(Vec3(d.axis[0][lane], d.axis[1][lane], d.axis[2][lane]));
+    }
+
     /// Rays that part go on alone.
     void split(Packet& packet, const PixelPacket<kWidth>& pixels) {
         for (int lane = 0; lane < pixels.count; ++lane) {
             const Vec3 d(packet.world.axis[0][lane], packet.world.axis[1][lane], packet.world.axis[2][lane]);
             CastCost one;
-            const RayHit hit = cast_ray(world_, {view_.position, d}, view_.pixel_angle(), one);
+            const RayHit hit =
+                cast_ray(world_, {view_.position, d}, {view_.pixel_angle(), layer_depth(packet, lane)}, one);
             cost.nodes += one.nodes;
             cost.triangles += one.triangles;
             packet.instance[lane] = hit.instance;

@@ -63,7 +63,7 @@ void walk_cells(const Grid& grid, const Vec3& origin, const Vec3& direction, flo
 /// One triangle against one ray, by the signs of three volumes; a shared edge gives both neighbours the same number,
 /// so no ray passes between them.
 void test_triangle(const GridWorld& world, std::uint32_t instance_id, std::uint32_t triangle, const Vec3& origin,
-                   const Vec3& direction, float pixel_angle, RayHit& hit) {
+                   const Vec3& direction, const RayCone& cone, RayHit& hit) {
     const scene::StaticScene& scene = world.scene;
     const scene::Instance& instance = scene.instances[instance_id];
     const scene::Mesh& mesh = scene.meshes[instance.mesh];
@@ -81,14 +81,15 @@ void test_triangle(const GridWorld& world, std::uint32_t instance_id, std::uint3
     if (!(t >= 0.0f && t < hit.t)) return;
     if ((mesh.material_flags & (scene::kMaterialAlphaMask | scene::kMaterialBlend)) != 0) {
         const AlphaSurface surface = make_alpha_surface(scene, instance, instance_id, triangle);
-        if (!is_opaque_at(surface, at_b / volume, at_c / volume, pixel_angle * t)) return;
+        const bool in_layer = is_in_layer(surface, t, cone.layer_depth);
+        if (!is_opaque_at(surface, at_b / volume, at_c / volume, cone.pixel_angle * t, in_layer)) return;
     }
     hit = {instance_id, triangle, t};
 }
 
 }  // namespace
 
-RayHit cast_ray(const GridWorld& world, const Ray& ray, float pixel_angle, CastCost& cost) {
+RayHit cast_ray(const GridWorld& world, const Ray& ray, const RayCone& cone, CastCost& cost) {
     RayHit hit{kSkyInstance, 0, kInf};
     ++cost.rays;
     const Vec3 origin(ray.origin - world.scene.origin);
@@ -112,7 +113,7 @@ RayHit cast_ray(const GridWorld& world, const Ray& ray, float pixel_angle, CastC
                 ++cost.nodes;
                 for (std::uint32_t k = grid.first_item[cell]; k < grid.first_item[cell + 1]; ++k) {
                     ++cost.triangles;
-                    test_triangle(world, id, grid.items[k], o, d, pixel_angle, hit);
+                    test_triangle(world, id, grid.items[k], o, d, cone, hit);
                 }
                 return hit.t;
             });

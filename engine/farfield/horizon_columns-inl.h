@@ -33,7 +33,7 @@ constexpr DI di;
 /// else rise * max(min_x[c] * a, min_z[c] * b) with a and b 1 / farthest.
 struct Bound {
     float rise, a, b;
-    int first, count;  ///< columns
+    int first, count;  ///< columns; none where there is nothing, rise being -inf
 };
 
 /// Footprints relative to the eye.
@@ -80,14 +80,52 @@ HWY_INLINE void compute_columns(const HorizonWedges& wedges, float margin_scale,
     hn::Store(hn::ConvertTo(di, count), di, count_out);
 }
 
-template <bool kAbove>
-HWY_INLINE V tangents_of(const HorizonWedges& wedges, std::size_t c, V rise, V a, V b, V inverse_near) {
-    if (kAbove)
-        return hn::Mul(rise, hn::Min(hn::Min(hn::Mul(hn::LoadU(d, wedges.max_x + c), a),
-                                             hn::Mul(hn::LoadU(d, wedges.max_z + c), b)),
-                                     inverse_near));
-    return hn::Mul(rise,
-                   hn::Max(hn::Mul(hn::LoadU(d, wedges.min_x + c), a), hn::Mul(hn::LoadU(d, wedges.min_z + c), b)));
+/// A bound made ready to be asked about its columns, a vector of them at a time. Above the eye
+///   rise * min(max_x * a, max_z * b, 1 / near)
+/// and below it rise * max(min_x * a, min_z * b) are both the smallest of products with rise.
+struct Slope {
+    V rise, a, b, limit;
+    const float *x, *z;
+
+    HWY_INLINE Slope(const HorizonWedges& wedges, const Bound& bound)
+        : rise(hn::Set(d, bound.rise)), a(hn::Set(d, bound.a)), b(hn::Set(d, bound.b)) {
+        const bool above = bound.rise > 0.0f;
+        x = above ? wedges.max_x : wedges.min_x;
+        z = above ? wedges.max_z : wedges.min_z;
+        limit = hn::Set(d, above ? bound.rise * wedges.inverse_near : std::numeric_limits<float>::infinity());
+    }
+    [[nodiscard]] HWY_INLINE V tangents(int c) const {
+        return hn::Min(
+            hn::Min(hn::Mul(rise, hn::Mul(hn::LoadU(d, x + c), a)), hn::Mul(rise, hn::Mul(hn::LoadU(d, z + c), b))),
+            limit);
+    }
+    /// Whether any column of [c, last), at most a vector of them, is raised.
+    [[nodiscard]] HWY_INLINE bool raises(const float* old, int c, int last) const {
+        const auto higher = hn::Gt(tangents(c), hn::LoadU(d, old + c));
+        return !hn::AllFalse(d, hn::And(higher, hn::FirstN(d, std::size_t(last - c))));
+    }
+};
+
+/// Calls visit(c, last) for vectors of a bound's columns, all but the first and the last of them whole, until it
+/// returns true. @return whether it did.
+template <class Visit>
+HWY_INLINE bool any_columns(const HorizonWedges& wedges, const Bound& bound, const Visit& visit) {
+    constexpr int kLanes = int(hn::MaxLanes(d));
+    const int end = bound.first + bound.count;
+    // Nearly all squares are seen in less than a vector of columns.
+    if (HWY_LIKELY(bound.count <= kLanes && end <= wedges.columns)) return visit(bound.first, end);
+    const int before_wrap = std::min(end, wedges.columns);
+    for (int c = bound.first; c < before_wrap; c += kLanes)
+        if (visit(c, before_wrap)) return true;
+    for (int c = 0; c < end - wedges.columns; c += kLanes)
+        if (visit(c, end - wedges.columns)) return true;
+    return false;
+}
+
+/// Whether a bound raises any of its columns.
+HWY_INLINE bool raises_any(const HorizonWedges& wedges, const Bound& bound, const float* tangents) {
+    const Slope slope(wedges, bound);
+    return any_columns(wedges, bound, [&](int c, int last) HWY_ATTR { return slope.raises(tangents, c, last); });
 }
 
 /// Bounds over a square's columns, by which its children are judged all at once.
@@ -96,83 +134,48 @@ struct Survey {
     float max_x, max_z, min_x, min_z;  ///< of the wedges
 };
 
-/// Whether a bound raises any of its columns.
-template <bool kAbove>
-HWY_INLINE bool raises_any(const HorizonWedges& wedges, const Bound& bound, const float* tangents) {
-    const V rise = hn::Set(d, bound.rise), a = hn::Set(d, bound.a), b = hn::Set(d, bound.b);
-    const V inverse_near = hn::Set(d, wedges.inverse_near);
-    const auto range = [&](int first, int last) HWY_ATTR {
-        for (int c = first; c < last; c += int(hn::Lanes(d))) {
-            const auto higher = hn::Gt(tangents_of<kAbove>(wedges, std::size_t(c), rise, a, b, inverse_near),
-                                       hn::LoadU(d, tangents + c));
-            if (!hn::AllFalse(d, hn::And(higher, hn::FirstN(d, std::size_t(last - c))))) return true;
-        }
+HWY_INLINE Survey survey_columns(const HorizonWedges& wedges, const Bound& bound, const float* tangents) {
+    const V infinity = hn::Set(d, std::numeric_limits<float>::infinity());
+    V lowest = infinity;
+    any_columns(wedges, bound, [&](int c, int last) HWY_ATTR {
+        const auto inside = hn::FirstN(d, std::size_t(last - c));
+        lowest = hn::Min(lowest, hn::IfThenElse(inside, hn::LoadU(d, tangents + c), infinity));
         return false;
-    };
-    const int end = bound.first + bound.count;
-    if (HWY_LIKELY(end <= wedges.columns)) return range(bound.first, end);
-    return range(bound.first, wedges.columns) || range(0, end - wedges.columns);
-}
-
-HWY_INLINE bool raises_any_sign(const HorizonWedges& wedges, const Bound& bound, const float* tangents) {
-    return bound.rise > 0.0f ? raises_any<true>(wedges, bound, tangents) : raises_any<false>(wedges, bound, tangents);
-}
-
-inline Survey survey_columns(const HorizonWedges& wedges, const Bound& bound, const float* tangents) {
-    V lowest = hn::Set(d, std::numeric_limits<float>::infinity());
-    V max_x = hn::Zero(d), max_z = max_x, min_x = hn::Set(d, 1.0f), min_z = min_x;
-    const auto range = [&](int first, int last) HWY_ATTR {
-        for (int c = first; c < last; c += int(hn::Lanes(d))) {
-            const auto inside = hn::FirstN(d, std::size_t(last - c));
-            lowest = hn::IfThenElse(inside, hn::Min(lowest, hn::LoadU(d, tangents + c)), lowest);
-            max_x = hn::Max(max_x, hn::IfThenElseZero(inside, hn::LoadU(d, wedges.max_x + c)));
-            max_z = hn::Max(max_z, hn::IfThenElseZero(inside, hn::LoadU(d, wedges.max_z + c)));
-            min_x = hn::IfThenElse(inside, hn::Min(min_x, hn::LoadU(d, wedges.min_x + c)), min_x);
-            min_z = hn::IfThenElse(inside, hn::Min(min_z, hn::LoadU(d, wedges.min_z + c)), min_z);
-        }
-    };
-    const int end = bound.first + bound.count;
-    range(bound.first, std::min(end, wedges.columns));
-    if (end > wedges.columns) range(0, end - wedges.columns);
+    });
     Survey survey;
     survey.lowest = hn::GetLane(hn::MinOfLanes(d, lowest));
-    survey.max_x = hn::GetLane(hn::MaxOfLanes(d, max_x));
-    survey.max_z = hn::GetLane(hn::MaxOfLanes(d, max_z));
-    survey.min_x = hn::GetLane(hn::MinOfLanes(d, min_x));
-    survey.min_z = hn::GetLane(hn::MinOfLanes(d, min_z));
+    // Between two axes |x| and |z| only rise or only fall.
+    const int first = bound.first, end = first + bound.count, quarter = wedges.columns / 4;
+    const int next_axis = first < 2 * quarter ? (first < quarter ? quarter : 2 * quarter)
+                                              : (first < 3 * quarter ? 3 * quarter : wedges.columns);
+    if (HWY_LIKELY(end <= next_axis)) {
+        survey.max_x = std::max(wedges.max_x[first], wedges.max_x[end - 1]);
+        survey.max_z = std::max(wedges.max_z[first], wedges.max_z[end - 1]);
+        survey.min_x = std::min(wedges.min_x[first], wedges.min_x[end - 1]);
+        survey.min_z = std::min(wedges.min_z[first], wedges.min_z[end - 1]);
+    } else {
+        survey.max_x = survey.max_z = 1.0f + 2e-6f;  // what the tables go up to
+        survey.min_x = survey.min_z = 0.0f;
+    }
     return survey;
 }
 
-/// Raises the columns of a bound to what it adds, and notes `id` as the winner where `winner` is not null.
-template <bool kAbove>
-void raise(const HorizonWedges& wedges, const Bound& bound, std::uint32_t id, float* tangents, std::uint32_t* winner) {
-    const V rise = hn::Set(d, bound.rise), a = hn::Set(d, bound.a), b = hn::Set(d, bound.b);
-    const V inverse_near = hn::Set(d, wedges.inverse_near);
-    const auto ids = hn::Set(di, std::int32_t(id));
-    const int end = bound.first + bound.count;
-    const auto range = [&](int first, int last) HWY_ATTR {
-        for (int c = first; c < last; c += int(hn::Lanes(d))) {
-            const V old = hn::LoadU(d, tangents + c);
-            const V tangent = tangents_of<kAbove>(wedges, std::size_t(c), rise, a, b, inverse_near);
-            const auto higher = hn::And(hn::Gt(tangent, old), hn::FirstN(d, std::size_t(last - c)));
-            if (hn::AllFalse(d, higher)) continue;
-            hn::StoreU(hn::IfThenElse(higher, tangent, old), d, tangents + c);
-            if (!winner) continue;
-            std::int32_t* const who = reinterpret_cast<std::int32_t*>(winner) + c;
-            hn::StoreU(hn::IfThenElse(hn::RebindMask(di, higher), ids, hn::LoadU(di, who)), di, who);
-        }
-    };
-    if (end <= wedges.columns) return range(bound.first, end);
-    range(bound.first, wedges.columns);
-    range(0, end - wedges.columns);
-}
-
-HWY_INLINE void raise_any_sign(const HorizonWedges& wedges, const Bound& bound, std::uint32_t id, float* tangents,
-                               std::uint32_t* winner) {
-    if (bound.rise > 0.0f)
-        raise<true>(wedges, bound, id, tangents, winner);
-    else
-        raise<false>(wedges, bound, id, tangents, winner);
+/// Raises the columns of a bound to what it adds, and notes `id()` as the winner where `winner` is not null.
+template <class Id>
+HWY_INLINE void raise(const HorizonWedges& wedges, const Bound& bound, const Id& id, float* tangents,
+                      std::uint32_t* winner) {
+    const Slope slope(wedges, bound);
+    any_columns(wedges, bound, [&](int c, int last) HWY_ATTR {
+        const V tangent = slope.tangents(c), old = hn::LoadU(d, tangents + c);
+        const auto higher = hn::And(hn::Gt(tangent, old), hn::FirstN(d, std::size_t(last - c)));
+        if (HWY_LIKELY(hn::AllFalse(d, higher))) return false;
+        hn::StoreU(hn::IfThenElse(higher, tangent, old), d, tangents + c);
+        if (!winner) return false;
+        std::int32_t* const who = reinterpret_cast<std::int32_t*>(winner) + c;
+        const auto ids = hn::Set(di, std::int32_t(id()));
+        hn::StoreU(hn::IfThenElse(hn::RebindMask(di, higher), ids, hn::LoadU(di, who)), di, who);
+        return false;
+    });
 }
 
 }  // namespace HWY_NAMESPACE

@@ -72,7 +72,8 @@ class NearWalk {
             if (leaf.count > in_.wedges.columns / 20 && in_.wedges.near_distance == 0.0f)
                 raise_triangles(leaves[leaf.id], placement);
             else
-                raise_any_sign(in_.wedges, leaf, 0, tangents_, nullptr);
+                raise(
+                    in_.wedges, leaf, [] { return 0u; }, tangents_, nullptr);
         });
     }
 
@@ -84,13 +85,15 @@ class NearWalk {
         int top = expand(nodes[0], placement, stack, 0);
         while (top > 0) {
             const Candidate candidate = stack[--top];
-            if (!raises_any_sign(in_.wedges, candidate, tangents_)) continue;
+            if (!raises_any(in_.wedges, candidate, tangents_)) continue;
             if (candidate.id & scene::kBvhLeafBit) {
                 Candidate leaf = candidate;
                 leaf.id &= ~scene::kBvhLeafBit;
                 at_leaf(leaf);
             } else if (top + 16 > kStack) {
-                raise_any_sign(in_.wedges, candidate, 0, tangents_, nullptr);  // too deep: the box itself, still true
+                raise(
+                    in_.wedges, candidate, [] { return 0u; }, tangents_,
+                    nullptr);  // too deep: the box itself, still true
             } else {
                 top = expand(nodes[candidate.id], placement, stack, top);
             }

@@ -1,4 +1,5 @@
-// The traversal of the height grid: one quadtree walk for all columns, sixteen children at a time.
+// The traversal of the height grid: one quadtree walk for all columns, sixteen children (two levels) at a time. Where
+// the finest level is not needed, one step goes down a single level, so that the last ones still end on sixteen.
 //
 // A square bounds what any of its descendants can add to a column: its height over its gap to the eye. The formulas of
 // both are the same float expressions, monotone in their inputs, so a square that raises no column has no descendant
@@ -42,7 +43,8 @@ struct alignas(64) Batch {
     float rise[16], a[16], b[16];
     std::int32_t first[16], count[16];
 
-    Square at(int i, int level) const { return {{rise[i], a[i], b[i], first[i], count[i]}, x[i], z[i], level}; }
+    Bound bound(int i) const { return {rise[i], a[i], b[i], first[i], count[i]}; }
+    Square at(int i, int level) const { return {bound(i), x[i], z[i], level}; }
 };
 
 HWY_INLINE Extent extent_of(const HorizonTraceInput& in, int level, const Batch& batch, std::size_t i) {
@@ -98,65 +100,87 @@ HWY_INLINE float margin_scale(int level) {
 void compute_bounds(const HorizonTraceInput& in, int level, Batch& batch) {
     for (std::size_t i = 0; i < 16; i += hn::Lanes(d)) {
         const Extent extent = extent_of(in, level, batch, i);
-        store_rise(rise_of(in, extent, hn::Load(d, batch.height + i)), batch, i);
+        const Rise r = rise_of(in, extent, hn::Load(d, batch.height + i));
+        store_rise(r, batch, i);
         compute_columns(in.wedges, margin_scale(level), extent, batch.first + i, batch.count + i);
+        const auto something = hn::Gt(r.rise, hn::Set(d, -std::numeric_limits<float>::infinity()));
+        hn::Store(hn::IfThenElseZero(hn::RebindMask(di, something), hn::Load(di, batch.count + i)), di,
+                  batch.count + i);
     }
+}
+
+/// Of a vector of squares, what the tests for promise need: multiplied out and rounded in favour of the squares, a
+/// column rises to a tangent t only where neither rise * |x| < t * by_x nor rise * |z| < t * by_z. Above the eye |x|
+/// and |z| are the wedge's largest, below it the smallest.
+struct Contender {
+    V rise, by_x, by_z;
+    hn::MFromD<D> above;
+    hn::MFromD<D> nothing;  ///< to raise with
+};
+
+HWY_INLINE Contender contender_of(const Rise& r) {
+    Contender who;
+    who.rise = hn::Add(r.rise, hn::Mul(hn::Abs(r.rise), hn::Set(d, 2e-6f)));
+    who.by_x = r.by_x;
+    who.by_z = r.by_z;
+    who.above = r.above;
+    who.nothing = hn::Eq(r.rise, hn::Set(d, -std::numeric_limits<float>::infinity()));
+    return who;
+}
+
+/// Where a contender fails to raise a wedge with a tangent. A NaN (nothing known, no gap) is no failure.
+HWY_INLINE hn::MFromD<D> fails(const Contender& who, V tangent, V max_x, V max_z, V min_x, V min_z) {
+    const V left_x = hn::Mul(who.rise, hn::IfThenElse(who.above, max_x, min_x));
+    const V left_z = hn::Mul(who.rise, hn::IfThenElse(who.above, max_z, min_z));
+    return hn::Or(hn::Lt(left_x, hn::Mul(tangent, who.by_x)), hn::Lt(left_z, hn::Mul(tangent, who.by_z)));
+}
+
+HWY_INLINE std::uint32_t bits_of(hn::MFromD<D> mask) {
+    std::uint8_t lanes[8] = {};
+    hn::StoreMaskBits(d, mask, lanes);
+    return std::uint32_t(lanes[0]) | std::uint32_t(lanes[1]) << 8;
 }
 
 /// Fills the batch like compute_bounds, but where a square cannot raise any of its parent's columns.
 /// @return bit i: square i may; a necessary condition, cheaper than asking every column.
 std::uint32_t compute_promising(const HorizonTraceInput& in, int level, const Survey& survey, Batch& batch) {
-    // Above, rise * min(max_x / gap_x, max_z / gap_z) > lowest; below, rise * max(min_x / far_x, min_z / far_z) is the
-    // smaller of the two as well. Multiplied out, and rounded in favour of the square.
-    const V lowest = hn::Set(d, std::max(survey.lowest, -1e30f));
+    const V lowest = hn::Set(d, survey.lowest);
     const V max_x = hn::Set(d, survey.max_x), max_z = hn::Set(d, survey.max_z);
     const V min_x = hn::Set(d, survey.min_x), min_z = hn::Set(d, survey.min_z);
-    const V favour = hn::Set(d, 1e-6f);
     std::uint32_t bits = 0;
     for (std::size_t i = 0; i < 16; i += hn::Lanes(d)) {
         const Extent extent = extent_of(in, level, batch, i);
         const Rise r = rise_of(in, extent, hn::Load(d, batch.height + i));
-        const V left_x = hn::Mul(r.rise, hn::IfThenElse(r.above, max_x, min_x));
-        const V left_z = hn::Mul(r.rise, hn::IfThenElse(r.above, max_z, min_z));
-        const V right_x = hn::Mul(lowest, r.by_x), right_z = hn::Mul(lowest, r.by_z);
-        const V slack_x = hn::Mul(hn::Add(hn::Abs(left_x), hn::Abs(right_x)), favour);
-        const V slack_z = hn::Mul(hn::Add(hn::Abs(left_z), hn::Abs(right_z)), favour);
-        const auto may_raise =
-            hn::And(hn::Gt(r.rise, hn::Set(d, -std::numeric_limits<float>::infinity())),
-                    hn::And(hn::Ge(hn::Add(left_x, slack_x), right_x), hn::Ge(hn::Add(left_z, slack_z), right_z)));
-        std::uint8_t lanes[8] = {};
-        hn::StoreMaskBits(d, may_raise, lanes);
-        const std::uint32_t found = std::uint32_t(lanes[0]) | std::uint32_t(lanes[1]) << 8;
-        if (found == 0) continue;
-        bits |= found << i;
-        store_rise(r, batch, i);
+        const Contender who = contender_of(r);
+        const auto failed = hn::Or(who.nothing, fails(who, lowest, max_x, max_z, min_x, min_z));
+        if (hn::AllTrue(d, failed)) continue;
         compute_columns(in.wedges, margin_scale(level), extent, batch.first + i, batch.count + i);
+        bits |= bits_of(hn::Not(failed)) << i;
+        store_rise(r, batch, i);
     }
     return bits;
 }
 
-/// The name of a square of the finest level; of a coarser one, that of the tallest in it.
-HWY_INLINE std::uint32_t winner_id(const HorizonTraceInput& in, const Square& square) {
-    int x = square.x, z = square.z;
-    for (int level = square.level; level > in.finest_level; --level) {
-        const float* below = in.level_heights[level - 1];
-        const int row = 1 << (in.size_log2 - level + 1);
-        x *= 2;
-        z *= 2;
-        int tallest = 0;
-        for (int child = 1; child < 4; ++child)
-            if (below[(z + child / 2) * row + x + child % 2] > below[(z + tallest / 2) * row + x + tallest % 2])
-                tallest = child;
-        x += tallest % 2;
-        z += tallest / 2;
+/// Those of a batch's squares that raise any of their columns.
+HWY_INLINE std::uint32_t raising(const HorizonTraceInput& in, const Batch& batch, std::uint32_t candidates,
+                                 const float* tangents) {
+    std::uint32_t bits = 0;
+    for (; candidates != 0; candidates &= candidates - 1) {
+        const int i = std::countr_zero(candidates);
+        bits |= std::uint32_t(raises_any(in.wedges, batch.bound(i), tangents)) << i;
     }
-    return std::uint32_t(z << in.size_log2 | x);
+    return bits;
 }
 
-void raise_by(const HorizonTraceInput& in, const Square& square, float* tangents, std::uint32_t* winner) {
-    // Naming a coarse one costs cache misses: only where it wins.
-    if (square.level > in.finest_level && !raises_any_sign(in.wedges, square, tangents)) return;
-    raise_any_sign(in.wedges, square, winner_id(in, square), tangents, winner);
+/// The name of a square of the finest level; of a coarser one, that of its first.
+HWY_INLINE std::uint32_t winner_id(const HorizonTraceInput& in, const Square& square) {
+    const int shift = square.level - in.finest_level;
+    return std::uint32_t((square.z << shift) << in.size_log2 | square.x << shift);
+}
+
+HWY_INLINE void raise_by(const HorizonTraceInput& in, const Square& square, float* tangents, std::uint32_t* winner) {
+    const auto id = [&] { return winner_id(in, square); };
+    raise(in.wedges, square, id, tangents, winner);
 }
 
 /// Whether squares one level above the finest are still hardly wider than a column, from any part of this one: then
@@ -197,18 +221,30 @@ class Primer {
     int count_ = 0;
 };
 
-/// Replaces each guessed square of level `coarse` by the tallest one of level `fine` inside it.
-void descend_to_tallest(const HorizonTraceInput& in, int coarse, int fine, std::uint32_t* guess) {
-    const std::uint32_t mask = (1u << in.size_log2) - 1;
+/// Whether the squares around (x, z) of the finest level are taken two by two, as the walk decides it.
+HWY_INLINE bool is_taken_whole(const HorizonTraceInput& in, int x, int z) {
+    Square around{};
+    around.x = x >> 2;
+    around.z = z >> 2;
+    around.level = in.finest_level + 2;
+    return is_distant(in, around);
+}
+
+/// Replaces each guessed square of the finest level of `coarse` by the tallest one of level `fine` inside it.
+void descend_to_tallest(const HorizonTraceInput& coarse, int fine, std::uint32_t* guess) {
+    const std::uint32_t mask = (1u << coarse.size_log2) - 1;
     std::uint32_t last = kNoSquare, last_tallest = kNoSquare;
-    for (int c = 0; c < in.wedges.columns; ++c) {
+    for (int c = 0; c < coarse.wedges.columns; ++c) {
         if (guess[c] == kNoSquare) continue;
         if (guess[c] != last) {
             last = guess[c];
-            std::uint32_t x = last & mask, z = last >> in.size_log2;
-            for (int level = coarse; level > fine; --level) {
-                const float* below = in.level_heights[level - 1];
-                const std::uint32_t row = 1u << (in.size_log2 - level + 1);
+            std::uint32_t x = last & mask, z = last >> coarse.size_log2;
+            const int whole = is_taken_whole(coarse, int(x), int(z)) ? 1 : 0;
+            x >>= whole;
+            z >>= whole;
+            for (int level = coarse.finest_level + whole; level > fine; --level) {
+                const float* below = coarse.level_heights[level - 1];
+                const std::uint32_t row = 1u << (coarse.size_log2 - level + 1);
                 x *= 2;
                 z *= 2;
                 std::uint32_t tallest = 0;
@@ -218,7 +254,7 @@ void descend_to_tallest(const HorizonTraceInput& in, int coarse, int fine, std::
                 x += tallest % 2;
                 z += tallest / 2;
             }
-            last_tallest = z << in.size_log2 | x;
+            last_tallest = z << coarse.size_log2 | x;
         }
         guess[c] = last_tallest;
     }
@@ -239,11 +275,7 @@ bool prime(const HorizonTraceInput& in, const std::uint32_t* guess, float* tange
         last = square;
         if (tangents[c] == std::numeric_limits<float>::infinity()) continue;  // not wanted
         const int x = int(square & mask), z = int(square >> in.size_log2);
-        Square parent{};  // as the walk will judge it
-        parent.x = x >> 2;
-        parent.z = z >> 2;
-        parent.level = finest + 2;
-        if (is_distant(in, parent))
+        if (is_taken_whole(in, x, z))
             distant_squares.add(x >> 1, z >> 1);
         else
             near_squares.add(x, z);
@@ -300,7 +332,7 @@ std::uint32_t walk_grid(const HorizonTraceInput& in, float* tangents, std::uint3
         std::copy(tangents, tangents + in.wedges.columns + 16, coarse_tangents);
         std::fill(guess, guess + in.wedges.columns + 16, kNoSquare);
         squares += walk_grid(coarse, coarse_tangents, guess);
-        descend_to_tallest(in, coarse.finest_level, in.finest_level, guess);
+        descend_to_tallest(coarse, in.finest_level, guess);
         prime(in, guess, tangents, winner, squares);
     }
 
@@ -325,10 +357,10 @@ std::uint32_t walk_grid(const HorizonTraceInput& in, float* tangents, std::uint3
             raise_by(in, bound, tangents, winner);
             continue;
         }
-        if (!raises_any_sign(in.wedges, bound, tangents)) continue;
+        if (!raises_any(in.wedges, bound, tangents)) continue;
         const Survey survey = survey_columns(in.wedges, bound, tangents);
         int level = bound.level - 2;
-        if (level == in.finest_level && is_distant(in, bound)) {
+        if ((bound.level - in.finest_level) % 2 == 0 && is_distant(in, bound)) {
             load_quarters(in, bound, ++level, batch);
             squares += 4;
         } else {
@@ -339,6 +371,7 @@ std::uint32_t walk_grid(const HorizonTraceInput& in, float* tangents, std::uint3
         if (level <= in.finest_level + 1) {
             for (; bits != 0; bits &= bits - 1) raise_by(in, batch.at(std::countr_zero(bits), level), tangents, winner);
         } else {
+            bits = raising(in, batch, bits, tangents);
             // Nearest last, so that they are taken first and hide the others.
             const int half = 1 << (bound.level - 1);
             const int nearest = ((bound.x << bound.level) + half < in.eye_x ? 3 : 0) +

@@ -34,7 +34,8 @@ struct HorizonTraceInput {
 /// Raises `tangents` to the maximum over all squares. Columns that are +inf on entry cost and change nothing.
 /// @param tangents  [columns + 16], the 16 beyond are +inf
 /// @param winner    [columns + 16]; on entry a guess which square (z << size_log2 | x, of the finest level) makes each
-///                  column, kNoSquare where none; on return the one that did. Only time depends on the guess.
+///                  column, kNoSquare where none; on return the one that did (of a coarser square, its first). Only
+///                  time depends on the guess.
 /// @return squares whose bound was computed.
 std::uint32_t trace_horizon(const HorizonTraceInput& input, float* tangents, std::uint32_t* winner);
 

@@ -93,7 +93,7 @@ HWY_INLINE void draw_packed(const LeafScratch& s, int i, PrimitiveId id, Pixels&
         const auto smaller = hn::Or(hn::Lt(own_instance, old_instance),
                                     hn::And(hn::Eq(own_instance, old_instance), hn::Lt(own_triangle, old_triangle)));
         win = hn::And(win, hn::Or(hn::Gt(inverse_depth, best), hn::RebindMask(f, smaller)));
-        if constexpr (kAlpha) win = opaque_lanes(win, *alpha, s, i, e, inverse_depth);
+        if constexpr (kAlpha) win = opaque_lanes(win, *alpha, s, i, x, y, e, inverse_depth);
         const auto win_u = hn::RebindMask(ui, win);
         hn::Store(hn::IfThenElse(win, inverse_depth, best), f, pixels.best + at);
         hn::Store(hn::IfThenElse(win_u, own_instance, old_instance), ui, pixels.instance + at);
@@ -107,6 +107,7 @@ HWY_INLINE void draw_blocks(const scene::StaticScene& scene, const BeamView& vie
                             std::span<const KnownTriangle> candidates, const Tile& tile, DrawOne&& draw_one) {
     constexpr bool kDirect = kLanes <= kBlock;
     InstanceLinears linears(scene, view, request);
+    const AlphaRays rays = view.alpha_rays(request.x, request.y);
     Block block;
     LeafScratch s;
     for (std::size_t begin = 0; begin < candidates.size(); begin += std::size_t(kBlock)) {
@@ -122,7 +123,7 @@ HWY_INLINE void draw_blocks(const scene::StaticScene& scene, const BeamView& vie
             const int i = std::countr_zero(bits);
             const KnownTriangle& triangle = triangles[std::size_t(i)];
             if ((block.alpha >> i) & 1) {
-                AlphaDraw alpha{scene, triangle.id.instance, triangle.id.triangle, view.pixel_angle, {}, false, {}};
+                AlphaDraw alpha{scene, triangle.id.instance, triangle.id.triangle, rays, {}, false, {}};
                 std::copy_n(triangle.corners, 3, alpha.corners);
                 draw_one(s, i, triangle.id, &alpha);
             } else {

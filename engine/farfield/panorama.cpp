@@ -54,8 +54,8 @@ Panorama::Panorama(const PanoramaSettings& settings) : state_(std::make_unique<S
 
 Panorama::~Panorama() = default;
 
-int Panorama::face_size_for(const PinholeView& view) {
-    const float texels = 2.0f / (0.8f * view.pixel_angle());
+int Panorama::face_size_for(const PinholeView& view, float density) {
+    const float texels = density * 2.0f / (0.8f * view.pixel_angle());
     int size = (int(std::min(texels, 2032.0f)) + kTileSize - 1) / kTileSize * kTileSize;
     if (size % 256 == 0) size += kTileSize;  // see PanoramaSettings
     return std::clamp(size, 64, 2048);

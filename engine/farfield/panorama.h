@@ -97,7 +97,8 @@ class Panorama {
     Panorama& operator=(const Panorama&) = delete;
 
     /// A face size that gives texels of about 0.8 pixels at the image centre, [64, 2048].
-    [[nodiscard]] static int face_size_for(const PinholeView& view);
+    /// @param density  so many times as many texels a side, > 0
+    [[nodiscard]] static int face_size_for(const PinholeView& view, float density = 1.0f);
 
     /// Starts a frame: makes a new confidence record once the viewer has moved more than record_distance_m.
     void begin_frame(const WorldPos& position);

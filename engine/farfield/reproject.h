@@ -49,6 +49,8 @@ struct ReprojectSettings {
     bool check_abrupt = true;     ///< P3 4.3.1: points that come too fast are left out
     int abrupt_frames = 4;        ///< its N: a step must not exceed depth / 2 / N. [1, 64]
     bool use_background = true;   ///< P3 5.2: sky is reprojected like everything else
+
+    friend bool operator==(const ReprojectSettings&, const ReprojectSettings&) = default;
 };
 
 /// How a pixel's answer came about (P3 Figure 6).

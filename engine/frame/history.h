@@ -18,6 +18,7 @@
 #include "engine/frame/settings.h"
 #include "engine/frame/stats.h"
 #include "engine/math/camera.h"
+#include "engine/shading/layer_pass.h"
 #include "engine/shading/shading_pass.h"
 #include "engine/shading/upscale.h"
 #include "engine/visibility/culler.h"
@@ -41,12 +42,15 @@ struct FrameHistory {
     std::unique_ptr<farfield::Panorama> panorama;  ///< made when a plan first asks for it
     shading::Image panorama_colors;                ///< where its texels are shaded
     bool panorama_is_full = false;                 ///< it held all that the last frame saw, and the viewer stood
+    float panorama_blend_within_m = 0.0f;          ///< what its texels look past
+    shading::LayerScratch layers;                  ///< scratch: transparent layers on their way into the image
     shading::Image reduced;                        ///< a frame that is drawn smaller than it is shown
     shading::Upscaler upscaler;
     std::unique_ptr<farfield::Reprojection> reprojection;  ///< made when a plan first asks for it
     SourceMasks sources;
     std::vector<farfield::TileRequest> wanted;    ///< scratch: what neither near field nor horizon answers
     std::vector<farfield::TileRequest> requests;  ///< scratch: what is to be cast
+    farfield::PixelMask answered;                 ///< scratch: what the near raster has drawn
     farfield::PixelMask coloured;                 ///< scratch: what needs no shading
     std::vector<farfield::TileRequest> to_shade;  ///< scratch: what no cached colour answers
     std::vector<farfield::TileRequest> to_store;  ///< scratch: what the panorama may remember

@@ -38,9 +38,13 @@ struct FramePlan {
     bool may_reproject = false;         ///< the last frame knows every pixel's primitive
     farfield::ReprojectSettings reproject;
     CasterKind caster = CasterKind::beam;
+    float grid_cells_per_item = float(farfield::kUsualGridCellsPerItem);
     std::uint64_t ray_budget = UINT64_MAX;
     std::uint64_t fill_budget = UINT64_MAX;  ///< texels that may be filled
     float max_parallax_px = 0.5f;
+    float panorama_density = 1.0f;
+    farfield::EdgeRule panorama_edges = farfield::EdgeRule::verify;
+    bool keep_ids = false;
     float prelit_beyond_m = 0.0f;
     double predicted_ms = 0.0;
 };

@@ -59,7 +59,7 @@ void look_ahead(const scene::StaticScene& scene, const FramePlan& plan, const Fr
     constexpr std::uint64_t kRefreshFrames = 8;
     budget::Outlook& outlook = history.outlook;
     // All pixels are those of a frame of full size.
-    outlook.pixels = double(plan.view.width) * plan.view.height;
+    outlook.pixels = double(plan.image_width) * plan.image_height;
     const double enlarged =
         outlook.pixels / std::max(1.0, double(history.visibility.width) * double(history.visibility.height));
     outlook.sky_pixels = double(history.last_stats.pixels.sky) * enlarged;
@@ -77,16 +77,23 @@ void look_ahead(const scene::StaticScene& scene, const FramePlan& plan, const Fr
     }
 }
 
-/// Draws the frame smaller. Whole pixels, at least one.
+bool has_blended_materials(const scene::StaticScene& scene) {
+    return std::any_of(scene.materials.begin(), scene.materials.end(),
+                       [](const scene::Material& material) { return (material.flags & scene::kMaterialBlend) != 0; });
+}
+
+/// Draws the frame at a share of the image's sides. Whole pixels, at least one.
 void reduce(const Camera& camera, double resolution, FramePlan& plan) {
     const auto scaled = [&](int pixels) { return std::max(1, int(std::lround(resolution * pixels))); };
+    const float blend_within_m = plan.view.blend_within_m;
     plan.view = make_view(camera, scaled(plan.image_width), scaled(plan.image_height));
+    plan.view.blend_within_m = blend_within_m;
 }
 
 /// A budget is kept by drawing smaller, and who rests gets the panorama, which makes frames cheaper than any other.
-void use_panorama_or_draw_smaller(const budget::Choice& choice, const Camera& camera, bool rests,
-                                  const FrameHistory& history, FramePlan& plan) {
-    double resolution = choice.resolution;
+void use_panorama_or_draw_smaller(const FrameSettings& settings, const budget::Choice& choice, const Camera& camera,
+                                  bool rests, const FrameHistory& history, FramePlan& plan) {
+    double resolution = std::min(choice.resolution, double(settings.resolution));
     if (rests) {
         plan.fill_panorama = true;
         plan.look_up_panorama = history.panorama_is_full;
@@ -99,7 +106,7 @@ void use_panorama_or_draw_smaller(const budget::Choice& choice, const Camera& ca
             std::min(resolution, std::sqrt((choice.affordable_rays - fill) / std::max(1.0, choice.needed_rays)));
         resolution = std::max(resolution, budget::kResolutions.back());
     }
-    if (resolution < 1.0) reduce(camera, resolution, plan);
+    if (resolution < settings.resolution) reduce(camera, resolution, plan);
 }
 
 /// What the panorama does for the frame, and where it cannot help, how large the frame is drawn.
@@ -110,10 +117,11 @@ void use_panorama(const FrameSettings& settings, const budget::Choice& choice, c
         plan.fill_panorama = rests;
         return;
     }
-    if (settings.budget_ms > 0.0 && settings.when_late == budget::WhenLate::coarser)
-        return use_panorama_or_draw_smaller(choice, camera, rests, history, plan);
+    if (settings.budget_ms > 0.0 && settings.when_late == budget::WhenLate::coarser && !settings.reuse_while_moving)
+        return use_panorama_or_draw_smaller(settings, choice, camera, rests, history, plan);
     plan.fill_panorama = rests;
-    const bool reuses_while_moving = settings.budget_ms > 0.0 && choice.look_up_panorama;
+    const bool reuses_while_moving =
+        settings.reuse_while_moving || (settings.budget_ms > 0.0 && choice.look_up_panorama);
     plan.look_up_panorama = settings.use_panorama && (reuses_while_moving || plan.fill_panorama);
     // A frame that nearly fills its budget is remembered, for the next may not fit.
     constexpr double kTightShare = 0.6;
@@ -127,12 +135,18 @@ void plan_frame(const scene::StaticScene& scene, std::span<const scene::Instance
                 int width, int height, const FrameSettings& settings, FrameHistory& history, FramePlan& plan) {
     plan = {};
     plan.mode = settings.mode;
-    plan.view = make_view(camera, width, height);
+    plan.view.blend_within_m = has_blended_materials(scene) ? settings.blend_within_m : 0.0f;
     plan.image_width = width;
     plan.image_height = height;
+    reduce(camera, settings.resolution, plan);
     plan.dynamic = dynamic;
     plan.caster = settings.caster;
+    plan.grid_cells_per_item = settings.grid_cells_per_item;
     plan.max_parallax_px = settings.max_parallax_px;
+    plan.panorama_density = settings.panorama_density;
+    plan.panorama_edges = settings.panorama_edges;
+    plan.keep_ids = settings.keep_ids;
+    plan.horizon_subsample = settings.horizon_subsample;
     plan.prelit_beyond_m = settings.prelit_beyond_m;
 
     switch (settings.mode) {
@@ -179,13 +193,13 @@ void plan_frame(const scene::StaticScene& scene, std::span<const scene::Instance
     plan.near_m = history.can_rasterise ? settings.fixed_near_m.value_or(choice.near_m) : 0.0;
     plan.rasterise = plan.near_m > 0.0;
     plan.software_opacity = settings.opacity == OpacityKind::software;
-    plan.ray_budget = choice.ray_budget;
+    plan.ray_budget = std::min(choice.ray_budget, settings.ray_budget);
     plan.predicted_ms = choice.predicted_ms;
     use_panorama(settings, choice, camera, history, plan);
     // A skyline that eats a tenth of the budget is subsampled, conservatively (P0 section 6).
     const double horizon_ms = history.costs.horizon_azimuth.ms_for(history.outlook.horizon_azimuths);
     if (settings.budget_ms > 0.0 && horizon_ms > 0.1 * settings.budget_ms && !settings.deterministic)
-        plan.horizon_subsample = 2;
+        plan.horizon_subsample = std::max(2, plan.horizon_subsample);
 }
 
 std::string to_text(const FramePlan& plan) {
@@ -196,6 +210,8 @@ std::string to_text(const FramePlan& plan) {
                                    plan.trace_horizon ? "traced" : "off", plan.horizon_subsample);
     text += fmt::format("panorama {}{}, up to {} px\n", plan.look_up_panorama ? "looked up" : "not used",
                         plan.fill_panorama ? " and filled ahead" : "", plan.max_parallax_px);
+    if (plan.view.blend_within_m > 0.0f)
+        text += fmt::format("blended surfaces sorted within {} m\n", plan.view.blend_within_m);
     if (plan.view.width != plan.image_width || plan.view.height != plan.image_height)
         text += fmt::format("drawn {}x{}, shown {}x{}\n", plan.view.width, plan.view.height, plan.image_width,
                             plan.image_height);

@@ -15,7 +15,8 @@ void learn_costs(const FramePlan& plan, const FrameStats& stats, budget::CostMod
     const bool casts_remains = plan.look_up_panorama && !plan.store_panorama;
     if (!casts_remains) {
         costs.cast_ray.observe(stats.ms(Pass::cast), double(stats.rays));
-        costs.shade_pixel.observe(stats.ms(Pass::shade), double(stats.shaded_pixels));
+        // Transparent layers are shading, too: there are as many more as there are pixels.
+        costs.shade_pixel.observe(stats.ms(Pass::shade) + stats.ms(Pass::blend), double(stats.shaded_pixels));
     }
     if (stats.ms(Pass::upscale) > 0.0)
         costs.upscale_pixel.observe(stats.ms(Pass::upscale), double(plan.image_width) * plan.image_height);
@@ -48,7 +49,8 @@ Renderer::Renderer(const scene::StaticScene& scene, Casters& casters, nearfield:
                    int height)
     : culler_(scene),
       dynamic_overlay_(scene),
-      tools_{scene, casters, culler_, dynamic_overlay_, near_renderer},
+      layer_index_(farfield::make_layer_index(scene)),
+      tools_{scene, casters, culler_, dynamic_overlay_, layer_index_, near_renderer},
       width_(width),
       height_(height) {
     FF_CHECK(width > 0 && height > 0 && width <= 16384 && height <= 16384, "image of {} x {}", width, height);

@@ -27,6 +27,7 @@ class Renderer {
   private:
     visibility::Culler culler_;
     DynamicOverlay dynamic_overlay_;
+    farfield::LayerIndex layer_index_;
     Tools tools_;
     int width_, height_;
     FrameHistory history_;

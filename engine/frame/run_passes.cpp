@@ -1,5 +1,7 @@
 #include "engine/frame/run_passes.h"
 
+#include <algorithm>
+
 #include "engine/core/check.h"
 #include "engine/core/log.h"
 #include "engine/farfield/tile_regroup.h"
@@ -38,6 +40,13 @@ void remove(const PixelMask& from_here, PixelMask& mask) {
     for (std::size_t t = 0; t < mask.tiles.size(); ++t)
         for (int row = 0; row < kTileSize; ++row)
             mask.tiles[t].rows[row] = std::uint16_t(mask.tiles[t].rows[row] & ~from_here.tiles[t].rows[row]);
+}
+
+/// Leaves in a mask only the pixels that the other one has, too.
+void intersect(const PixelMask& other, PixelMask& mask) {
+    for (std::size_t t = 0; t < mask.tiles.size(); ++t)
+        for (int row = 0; row < kTileSize; ++row)
+            mask.tiles[t].rows[row] = std::uint16_t(mask.tiles[t].rows[row] & other.tiles[t].rows[row]);
 }
 
 /// The tiles' pixels that none of the masks has answered; tiles that are done are left out.
@@ -82,7 +91,7 @@ void report(const Status& status) {
 nearfield::DrawSet cull(const FramePlan& plan, std::span<const scene::Instance> dynamic, const Tools& tools,
                         FrameHistory& history) {
     tools.culler.cull(plan.view, dynamic, history.visible, plan.near_m);
-    return {.instances = history.visible.instances, .dynamic = dynamic};
+    return {.instances = history.visible.instances, .dynamic = dynamic, .complete_within_m = plan.near_m};
 }
 
 /// Modes raster and near: the whole picture by OpenGL.
@@ -113,7 +122,10 @@ void draw_near_field(const FramePlan& plan, const Tools& tools, FrameHistory& hi
                                  farfield::EmptyDepth::infinite, covered);
     stats.pixels.near_field = covered.count();
     if (plan.software_opacity) {
+        PixelMask& answered = history.answered;
+        answered = covered;
         history.opacity.draw(tools.scene, {}, history.visible.instances, plan.view, covered);
+        intersect(answered, covered);  // it has no depth, and does not know what lies beyond the near distance
         const std::uint64_t known = covered.count();
         stats.opacity_missed = stats.pixels.near_field - std::min(known, stats.pixels.near_field);
         stats.pixels.near_field = known;
@@ -124,18 +136,40 @@ shading::ShadeSettings shade_settings(const FramePlan& plan) {
     return {.prelit_beyond_m = plan.prelit_beyond_m};
 }
 
+/// Whether something blended may be near enough to be a transparent layer.
+bool may_have_layers(const FramePlan& plan, const Tools& tools) {
+    const float within_m = plan.view.blend_within_m;
+    if (!(within_m > 0.0f) || tools.layer_index.is_empty()) return false;
+    const auto is_blended = [&](const scene::Instance& instance) {
+        return (tools.scene.meshes[instance.mesh].material_flags & scene::kMaterialBlend) != 0;
+    };
+    return std::any_of(plan.dynamic.begin(), plan.dynamic.end(), is_blended) ||
+           farfield::has_layers_within(tools.scene, tools.layer_index, plan.view.position, within_m);
+}
+
+void blend_layers(const FramePlan& plan, const Tools& tools, FrameHistory& history, shading::Image& image,
+                  FrameStats& stats) {
+    const TimedPass timed(stats, Pass::blend);
+    const farfield::LayerScene layers{tools.scene, tools.layer_index,
+                                      plan.dynamic.empty() ? nullptr : &tools.dynamic_overlay.moving()};
+    stats.layers = shading::blend_layers(layers, plan.view, history.visibility, history.all_tiles, shade_settings(plan),
+                                         history.layers, image);
+}
+
 /// The map for frames like this one, told where the viewer stands.
 void begin_panorama(const FramePlan& plan, FrameHistory& history) {
     if (!history.panorama) {
         PinholeView full = plan.view;  // the map is made once, for frames of full size
         full.u_step *= float(plan.view.width) / float(plan.image_width);
         full.v_step *= float(plan.view.height) / float(plan.image_height);
-        const int size = farfield::Panorama::face_size_for(full);
+        const int size = farfield::Panorama::face_size_for(full, plan.panorama_density);
         history.panorama = std::make_unique<farfield::Panorama>(farfield::PanoramaSettings{.face_size = size});
         history.panorama->populate();
         history.panorama_colors.resize(size, 6 * size);
         populate_pages(history.panorama_colors.pixels);
     }
+    if (history.panorama_blend_within_m != plan.view.blend_within_m) history.panorama->clear();
+    history.panorama_blend_within_m = plan.view.blend_within_m;
     history.panorama->begin_frame(plan.view.position);
 }
 
@@ -152,10 +186,12 @@ std::uint64_t fill_panorama(const FramePlan& plan, const Tools& tools, const far
     for (int face = 0; face < 6; ++face) {
         const auto texels = panorama.fill_requests(face);
         if (texels.empty()) continue;
-        const PinholeView view = panorama.face_view(face);
+        PinholeView view = panorama.face_view(face);
+        view.blend_within_m = plan.view.blend_within_m;
         {
             const TimedPass timed(stats, Pass::cast);
-            stats.rays += tools.casters.get(plan.caster).cast_tiles(view, texels, panorama.map()).rays;
+            stats.rays +=
+                tools.casters.get(plan.caster, plan.grid_cells_per_item).cast_tiles(view, texels, panorama.map()).rays;
         }
         {
             const TimedPass timed(stats, Pass::shade);
@@ -174,10 +210,11 @@ void look_up_panorama(const FramePlan& plan, const Tools& tools, const farfield:
     farfield::Panorama& panorama = *history.panorama;
     const TimedPass timed(stats, Pass::panorama);
     // Depths are fetched only where something may stand before the texels.
-    const farfield::PanoramaTarget target{.visibility = plan.dynamic.empty() ? nullptr : &history.visibility,
+    const bool wants_depths = plan.keep_ids || !plan.dynamic.empty() || may_have_layers(plan, tools);
+    const farfield::PanoramaTarget target{.visibility = wants_depths ? &history.visibility : nullptr,
                                           .colors = image.pixels.data(),
                                           .color_stride = image.stride,
-                                          .depth_only = true};
+                                          .depth_only = !plan.keep_ids};
     const farfield::PanoramaStats found = panorama.lookup(plan.view, history.wanted, limits, target, history.requests);
     stats.pixels.panorama = found.reused + found.stale + found.unanswered;
     stats.pixels.stale = found.stale + found.unanswered;
@@ -188,9 +225,9 @@ void look_up_panorama(const FramePlan& plan, const Tools& tools, const farfield:
 
 }  // namespace
 
-farfield::RayCaster& Casters::get(CasterKind kind) {
+farfield::RayCaster& Casters::get(CasterKind kind, double grid_cells_per_item) {
     auto& caster = casters_[std::size_t(kind)];
-    if (!caster) {
+    if (!caster || (kind == CasterKind::grid && grid_cells_per_item != grid_cells_per_item_)) {
         switch (kind) {
             case CasterKind::beam:
                 caster = farfield::make_beam_caster(scene_);
@@ -199,7 +236,8 @@ farfield::RayCaster& Casters::get(CasterKind kind) {
                 caster = farfield::make_embree_caster(scene_);
                 break;
             case CasterKind::grid:
-                caster = farfield::make_grid_caster(scene_);
+                caster = farfield::make_grid_caster(scene_, grid_cells_per_item);
+                grid_cells_per_item_ = grid_cells_per_item;
                 break;
         }
     }
@@ -208,32 +246,12 @@ farfield::RayCaster& Casters::get(CasterKind kind) {
 
 namespace {
 
-/// All passes but the last, at the size of the plan's view.
-FrameStats draw_view(const FramePlan& plan, const Tools& tools, FrameHistory& history, shading::Image& image) {
-    FrameStats stats;
-    history.fit(plan.view.width, plan.view.height);
+/// What each pixel sees of the static world: from the near field, the horizon and the panorama, and what these leave
+/// by casting.
+void find_what_is_seen(const FramePlan& plan, const Tools& tools, FrameHistory& history, shading::Image& image,
+                       FrameStats& stats) {
     farfield::VisibilityBuffer& visibility = history.visibility;
     SourceMasks& sources = history.sources;
-    for (PixelMask* mask :
-         {&sources.near_field, &sources.sky, &sources.panorama, &sources.cast, &sources.dynamic, &sources.verified})
-        mask->reset(plan.view.width, plan.view.height);
-
-    if (plan.mode == Mode::raster || plan.mode == Mode::near) {
-        FF_CHECK(tools.near_renderer != nullptr, "mode raster needs OpenGL");
-        draw_by_rasteriser(plan, tools, history, image, stats);
-        stats.near_m = plan.near_m;
-        return stats;
-    }
-
-    if (plan.primitives_are_known) {
-        draw_known_frame(plan, tools, history, image, stats);
-        return stats;
-    }
-
-    if (plan.mode == Mode::reproject) {
-        draw_reprojected_frame(plan, tools, history, image, stats);
-        return stats;
-    }
 
     // Near field: what is close enough that triangles are cheaper than pixels.
     if (plan.rasterise) {
@@ -257,15 +275,13 @@ FrameStats draw_view(const FramePlan& plan, const Tools& tools, FrameHistory& hi
 
     // Panorama: pixels whose cached texel still looks right from here.
     // What nobody answers within the budget keeps its colour of the last frame.
-    if (image.width != plan.view.width || image.height != plan.view.height)
-        image.resize(plan.view.width, plan.view.height);
     std::vector<TileRequest>* casts = &history.wanted;
     if (plan.look_up_panorama || plan.store_panorama || plan.fill_panorama) {
         const TimedPass timed(stats, Pass::panorama);
         begin_panorama(plan, history);
     }
     farfield::PanoramaLimits limits{
-        .max_parallax_px = plan.max_parallax_px, .edges = farfield::EdgeRule::verify, .ray_budget = plan.ray_budget};
+        .max_parallax_px = plan.max_parallax_px, .edges = plan.panorama_edges, .ray_budget = plan.ray_budget};
     history.panorama_is_full = false;
     if (plan.fill_panorama) {
         farfield::PanoramaLimits fill_limits = limits;
@@ -285,7 +301,8 @@ FrameStats draw_view(const FramePlan& plan, const Tools& tools, FrameHistory& hi
     // Casts: everything that nothing cheaper has answered.
     {
         const TimedPass timed(stats, Pass::cast);
-        const CastCost cost = tools.casters.get(plan.caster).cast_tiles(plan.view, *casts, visibility);
+        const CastCost cost =
+            tools.casters.get(plan.caster, plan.grid_cells_per_item).cast_tiles(plan.view, *casts, visibility);
         stats.rays += cost.rays;
         stats.nodes_visited += cost.nodes;
         stats.triangles_tested += cost.triangles;
@@ -293,6 +310,33 @@ FrameStats draw_view(const FramePlan& plan, const Tools& tools, FrameHistory& hi
         stats.pixels.cast_miss = farfield::count_sky(*casts, visibility);
         stats.pixels.cast_hit = pixels - stats.pixels.cast_miss;
     }
+}
+
+/// All passes but the last, at the size of the plan's view.
+FrameStats draw_view(const FramePlan& plan, const Tools& tools, FrameHistory& history, shading::Image& image) {
+    FrameStats stats;
+    history.fit(plan.view.width, plan.view.height);
+    farfield::VisibilityBuffer& visibility = history.visibility;
+    SourceMasks& sources = history.sources;
+    for (PixelMask* mask :
+         {&sources.near_field, &sources.sky, &sources.panorama, &sources.cast, &sources.dynamic, &sources.verified})
+        mask->reset(plan.view.width, plan.view.height);
+
+    if (plan.mode == Mode::raster || plan.mode == Mode::near) {
+        FF_CHECK(tools.near_renderer != nullptr, "mode raster needs OpenGL");
+        draw_by_rasteriser(plan, tools, history, image, stats);
+        stats.near_m = plan.near_m;
+        return stats;
+    }
+
+    if (image.width != plan.view.width || image.height != plan.view.height)
+        image.resize(plan.view.width, plan.view.height);
+    if (plan.primitives_are_known)
+        confirm_known_primitives(plan, tools, history, stats);
+    else if (plan.mode == Mode::reproject)
+        reproject_or_cast(plan, tools, history, stats);
+    else
+        find_what_is_seen(plan, tools, history, image, stats);
 
     // What moves: over all that stands still, wherever it is nearer.
     if (!plan.dynamic.empty()) {
@@ -320,6 +364,9 @@ FrameStats draw_view(const FramePlan& plan, const Tools& tools, FrameHistory& hi
         collect_requests(history.all_tiles, others, history.to_store);
         history.panorama->store(plan.view, history.to_store, visibility, image.pixels, image.stride);
     }
+
+    // Transparent layers, over everything and remembered by nothing.
+    if (may_have_layers(plan, tools)) blend_layers(plan, tools, history, image, stats);
 
     stats.near_m = plan.near_m;
     stats.ray_budget = plan.ray_budget;

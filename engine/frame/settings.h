@@ -1,9 +1,12 @@
 #pragma once
 
+#include <cstdint>
 #include <limits>
 #include <optional>
 
 #include "engine/budget/governor.h"
+#include "engine/farfield/panorama.h"
+#include "engine/farfield/ray_caster.h"
 #include "engine/farfield/reproject.h"
 
 namespace ff::frame {
@@ -31,17 +34,35 @@ enum class OpacityKind { automatic, software, readback };
 struct FrameSettings {
     Mode mode = Mode::hybrid;
     CasterKind caster = CasterKind::beam;
+    float grid_cells_per_item = float(farfield::kUsualGridCellsPerItem);  ///< of CasterKind::grid; (0, 64]
     double budget_ms = 0.0;  ///< 0: no limit, every pixel is right; else accuracy is given up to keep it
     budget::WhenLate when_late = budget::WhenLate::coarser;  ///< which accuracy
     std::optional<double> fixed_near_m;                      ///< instead of the controller's choice; [0, inf)
     float max_parallax_px = 0.5f;  ///< a panorama texel is reused up to this predicted parallax. [0, 16]
     float prelit_beyond_m = std::numeric_limits<float>::infinity();  ///< P1 4.6; metres
+    /// Blended surfaces nearer to the eye than this are sorted and blended per pixel, farther ones are shown by
+    /// coverage. Metres along the ray, [0, inf); 0: all by coverage.
+    float blend_within_m = 60.0f;
     OpacityKind opacity = OpacityKind::automatic;
     farfield::ReprojectSettings reproject;           ///< mode reproject
     CasterKind reproject_caster = CasterKind::beam;  ///< of tiles that it leaves; single pixels go to Embree
+    float resolution = 1.0f;  ///< share of the image's sides that is drawn; enlarged to be shown. [0.25, 1]
+
     bool use_panorama = true;
+    /// Texels within max_parallax_px serve a viewer who moves, too, not only one who turns: P0's way, not exact.
+    bool reuse_while_moving = false;
+    /// At most so many pixels are cast a frame; the others keep old texels. With reuse_while_moving.
+    std::uint64_t ray_budget = UINT64_MAX;
+    float panorama_density = 1.0f;  ///< so many times as many texels a side of the map as usual. [0.25, 2]
+    farfield::EdgeRule panorama_edges = farfield::EdgeRule::verify;
+
     bool use_horizon = true;
+    int horizon_subsample = 1;  ///< trace every n-th azimuth, on grid squares so much coarser: 1, 2 or 4
+    /// Pixels that the panorama answers get their instance and triangle as well: dearer, for who measures what is seen.
+    bool keep_ids = false;
     bool deterministic = false;  ///< decide from recorded costs, so that the same inputs give the same bits
+
+    friend bool operator==(const FrameSettings&, const FrameSettings&) = default;
 };
 
 }  // namespace ff::frame

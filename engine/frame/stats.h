@@ -21,13 +21,14 @@ enum class Pass : std::uint8_t {
     cast,
     shade,
     store,
+    blend,
     upscale,
     present
 };
-inline constexpr std::size_t kPassCount = 12;
-inline constexpr std::array<std::string_view, kPassCount> kPassNames{"plan",     "near",      "opacity", "horizon",
-                                                                     "panorama", "reproject", "verify",  "cast",
-                                                                     "shade",    "store",     "upscale", "present"};
+inline constexpr std::size_t kPassCount = 13;
+inline constexpr std::array<std::string_view, kPassCount> kPassNames{
+    "plan", "near",  "opacity", "horizon", "panorama", "reproject", "verify",
+    "cast", "shade", "store",   "blend",   "upscale",  "present"};
 
 /// Pixels by how they came to be (P0 Figure 11); they add up to the image as it was drawn.
 struct PixelCounts {
@@ -54,6 +55,7 @@ struct FrameStats {
     std::uint64_t near_triangles = 0;    ///< sent to OpenGL
     std::uint64_t near_draws = 0;
     std::uint64_t shaded_pixels = 0;
+    std::uint64_t layers = 0;          ///< transparent layers shaded and blended
     std::uint64_t opacity_missed = 0;  ///< near pixels that the opacity buffer did not know of
     double near_m = 0.0;               ///< near distance of this frame
     std::uint64_t ray_budget = UINT64_MAX;
@@ -67,7 +69,7 @@ struct FrameStats {
                ms(Pass::verify) + ms(Pass::cast);
     }
     [[nodiscard]] double shading_ms() const {
-        return ms(Pass::shade) + ms(Pass::store) + ms(Pass::upscale) + ms(Pass::present);
+        return ms(Pass::shade) + ms(Pass::store) + ms(Pass::blend) + ms(Pass::upscale) + ms(Pass::present);
     }
 
     [[nodiscard]] double& ms(Pass pass) { return pass_ms[std::size_t(pass)]; }

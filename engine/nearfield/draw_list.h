@@ -3,6 +3,7 @@
 // by material. Plain data, made without a GPU.
 
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -16,6 +17,9 @@ namespace ff::nearfield {
 struct DrawSet {
     std::span<const std::uint32_t> instances;  ///< ids; from StaticScene::instances.size() on, of `dynamic`
     std::span<const scene::Instance> dynamic;  ///< instances that move; meshes of the scene
+    /// Nothing that is nearer to the viewer than this is missing from the set. What it holds of things farther away may
+    /// have others before it that it does not hold.
+    double complete_within_m = std::numeric_limits<double>::infinity();
 };
 
 /// One instance as the vertex shader reads it: instanced attributes, 64 bytes.

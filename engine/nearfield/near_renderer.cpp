@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <limits>
 
@@ -181,7 +182,7 @@ struct NearRenderer::Impl {
 
     void draw_ids(const PinholeView& view, const DrawSet& set, NearStats& stats);
     void read_depths(const PinholeView& view);
-    void read_ids(const PinholeView& view, std::span<const scene::Instance> dynamic, farfield::VisibilityBuffer& out);
+    void read_ids(const PinholeView& view, const DrawSet& set, farfield::VisibilityBuffer& out);
 };
 
 namespace {
@@ -200,6 +201,18 @@ Status fit_target(gl::Target& target, GLenum format, const PinholeView& view) {
     if (target.id() != 0 && target.width() == view.width && target.height() == view.height) return {};
     FF_ASSIGN(target, gl::Target::make(format, view.width, view.height));
     return {};
+}
+
+/// Metres along the longest ray of the view at a depth of one metre.
+double longest_ray(const PinholeView& view) {
+    double longest = 0.0;
+    for (const int x : {0, view.width})
+        for (const int y : {0, view.height}) {
+            const double u = double(view.u_first) + x * double(view.u_step);
+            const double v = double(view.v_first) + y * double(view.v_step);
+            longest = std::max(longest, std::sqrt(1.0 + u * u + v * v));
+        }
+    return longest;
 }
 
 }  // namespace
@@ -261,7 +274,7 @@ Status NearRenderer::render_ids(const PinholeView& view, const DrawSet& set, far
         r.draw_ids(view, set, stats);
     }
     r.view_uniforms.end();
-    r.read_ids(view, set.dynamic, out);
+    r.read_ids(view, set, out);
     return {};
 }
 
@@ -291,14 +304,15 @@ void NearRenderer::Impl::read_depths(const PinholeView& view) {
     glReadPixels(0, 0, view.width, view.height, GL_DEPTH_COMPONENT, GL_FLOAT, depth_pixels.data());
 }
 
-void NearRenderer::Impl::read_ids(const PinholeView& view, std::span<const scene::Instance> dynamic,
-                                  farfield::VisibilityBuffer& out) {
+void NearRenderer::Impl::read_ids(const PinholeView& view, const DrawSet& set, farfield::VisibilityBuffer& out) {
     const auto width = std::size_t(view.width), height = std::size_t(view.height);
     if (out.width != view.width || out.height != view.height) out.resize(view.width, view.height);
     id_pixels.resize(2 * width * height);
     read_depths(view);
     glReadPixels(0, 0, view.width, view.height, GL_RG_INTEGER, GL_UNSIGNED_INT, id_pixels.data());
 
+    // Of the image's corners, whose rays are the longest at the same depth.
+    const float last_depth = float(set.complete_within_m / longest_ray(view));
     // Neighbours mostly show the same instance: look its mesh up once.
     std::uint32_t known_instance = farfield::kUnresolved, mesh = 0;
     for (std::size_t y = 0; y < height; ++y) {
@@ -307,19 +321,21 @@ void NearRenderer::Impl::read_ids(const PinholeView& view, std::span<const scene
         const std::size_t row = y * std::size_t(out.stride);
         for (std::size_t x = 0; x < width; ++x) {
             const std::uint32_t instance = ids[2 * x];
-            out.instance[row + x] = instance;
-            if (instance == farfield::kUnresolved) {
+            const float depth = kNearPlaneM / depths[x];
+            if (instance == farfield::kUnresolved || depth > last_depth) {
+                out.instance[row + x] = farfield::kUnresolved;
                 out.triangle[row + x] = 0;
                 out.depth[row + x] = std::numeric_limits<float>::infinity();
                 continue;
             }
+            out.instance[row + x] = instance;
             if (instance != known_instance) {
                 known_instance = instance;
                 mesh = instance < scene.instances.size() ? scene.instances[instance].mesh
-                                                         : dynamic[instance - scene.instances.size()].mesh;
+                                                         : set.dynamic[instance - scene.instances.size()].mesh;
             }
             out.triangle[row + x] = gpu.layout.triangle_of(mesh, ids[2 * x + 1]);
-            out.depth[row + x] = kNearPlaneM / depths[x];
+            out.depth[row + x] = depth;
         }
     }
 }

@@ -104,6 +104,7 @@ class WorldLoader {
             return error_of(*problem);
         world_->count();
         world_->statistics_.pack_bytes = pack_.file_bytes();
+        world_->statistics_.pack_hash = pack_.content_hash();
         return std::move(world_);
     }
 

@@ -40,6 +40,7 @@ struct WorldStatistics {
     std::uint64_t vertices = 0;
     std::uint64_t memory_bytes = 0;  ///< of the static scene's arrays
     std::uint64_t pack_bytes = 0;    ///< of the file; 0 without one
+    std::uint64_t pack_hash = 0;     ///< names the file's contents; 0 without one
 };
 
 /// Owns everything that its scene() borrows. Read-only, any thread.

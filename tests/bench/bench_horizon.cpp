@@ -38,7 +38,7 @@ void all_azimuths_while_walking(benchmark::State& state) {
     state.counters["squares"] = benchmark::Counter(double(squares), benchmark::Counter::kAvgIterations);
 }
 BENCHMARK(all_azimuths_while_walking)
-    ->ArgsProduct({{2, 80, 300, 1000}, {1, 2, 4}, {0, 100}})
+    ->ArgsProduct({{2, 20, 40, 80, 150, 300, 600, 1000}, {1, 2, 4}, {0, 100}})
     ->ArgNames({"eye_m", "subsample", "near_m"})
     ->Unit(benchmark::kMicrosecond);
 

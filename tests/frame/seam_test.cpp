@@ -11,6 +11,7 @@
 #include "engine/shading/image_difference.h"
 #include "tests/gl/gl_fixture.h"
 #include "tests/support/town.h"
+#include "tests/support/worlds.h"
 
 namespace ff::frame {
 namespace {
@@ -53,7 +54,6 @@ class SeamTest : public test::GlTest {
         }
     }
 
-  private:
     /// @return pixels that the rasteriser answered
     static std::uint64_t draw(const scene::StaticScene& scene, Casters& casters, nearfield::NearRenderer& near_renderer,
                               const Camera& camera, double near_m, shading::Image& image) {
@@ -68,6 +68,36 @@ TEST_F(SeamTest, a_near_distance_of_50_100_or_400_m_draws_the_same_town) {
 
 TEST_F(SeamTest, panes_of_glass_have_no_seam_either) {
     expect_no_seam(test::make_small_town({.glass = true}));
+}
+
+/// A field that starts at the viewer and ends in a wall 300 m away is one cell; a house before that wall is another.
+scene::SceneData make_house_before_a_near_cell_s_wall() {
+    scene::SceneData scene;
+    scene.materials.push_back(test::plain_material());
+    const auto add = [&](const Vec3& low, const Vec3& high, std::uint32_t cell) {
+        scene::MeshSource mesh;
+        test::append_box(mesh, low, high, 4, 0);
+        const std::uint32_t id = scene.add_mesh(scene::prepare_mesh(std::move(mesh), scene.materials));
+        scene.add_instance(id, WorldPos(0.0), Mat3(1.0f), cell);
+    };
+    add({-200.0f, -1.0f, -300.0f}, {200.0f, 0.0f, 10.0f}, 0);
+    add({-200.0f, 0.0f, -302.0f}, {200.0f, 80.0f, -300.0f}, 0);
+    add({-20.0f, 0.0f, -180.0f}, {20.0f, 30.0f, -150.0f}, 1);
+    scene.finish(64);
+    return scene;
+}
+
+TEST_F(SeamTest, a_near_cell_s_far_end_hides_nothing_that_stands_before_it_in_a_cell_not_drawn) {
+    const scene::SceneData data = make_house_before_a_near_cell_s_wall();
+    const scene::StaticScene scene = data.view();
+    auto near_renderer = nearfield::NearRenderer::make(scene);
+    ASSERT_TRUE(near_renderer) << near_renderer.error().message;
+    Casters casters(scene);
+    const Camera camera{.position = {0.0, 1.7, 0.0}};
+    shading::Image far_only, image;
+    draw(scene, casters, *near_renderer, camera, 0.0, far_only);
+    EXPECT_GT(draw(scene, casters, *near_renderer, camera, 50.0, image), 100u);
+    EXPECT_LE(shading::compare_images(image, far_only, kLevels).wrong_pixels, kMostWrong);
 }
 
 }  // namespace

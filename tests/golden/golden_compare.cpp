@@ -1,6 +1,5 @@
 #include "tests/golden/golden_compare.h"
 
-#include <OpenImageIO/imageio.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -8,6 +7,7 @@
 #include <cstdlib>
 
 #include "tests/golden/golden_shots.h"
+#include "tools/picture/picture_file.h"
 
 namespace ff::test {
 namespace {
@@ -42,17 +42,11 @@ std::filesystem::path golden_path(const std::string& name) {
 }
 
 Result<shading::Image> read_golden(const std::string& name) {
-    const std::string path = golden_path(name).string();
-    const auto input = OIIO::ImageInput::open(path);
-    if (!input) return bad_input(fmt::format("{}: cannot read: {}", path, OIIO::geterror()));
-    const OIIO::ImageSpec& spec = input->spec();
-    if (spec.width != kGoldenWidth || spec.height != kGoldenHeight || spec.nchannels < 3)
-        return bad_input(fmt::format("{}: {}x{} pixels of {} channels; expected {}x{} of 3", path, spec.width,
-                                     spec.height, spec.nchannels, kGoldenWidth, kGoldenHeight));
-    shading::Image image;
-    image.resize(spec.width, spec.height);
-    if (!input->read_image(0, 0, 0, 3, OIIO::TypeDesc::UINT8, image.pixels.data(), 4, OIIO::stride_t(image.stride) * 4))
-        return bad_input(fmt::format("{}: cannot read: {}", path, input->geterror()));
+    const auto path = golden_path(name);
+    FF_ASSIGN(shading::Image image, tool::read_image(path));
+    if (image.width != kGoldenWidth || image.height != kGoldenHeight)
+        return bad_input(fmt::format("{}: {}x{} pixels; expected {}x{}", path.string(), image.width, image.height,
+                                     kGoldenWidth, kGoldenHeight));
     return image;
 }
 

@@ -3,7 +3,7 @@
 #include "tests/gl/gl_fixture.h"
 #include "tests/golden/golden_compare.h"
 #include "tests/golden/golden_shots.h"
-#include "tools/ff/image_file.h"
+#include "tools/picture/picture_file.h"
 
 namespace ff::test {
 namespace {

@@ -4,7 +4,7 @@
 #include "engine/platform/headless.h"
 #include "tests/golden/golden_compare.h"
 #include "tests/golden/golden_shots.h"
-#include "tools/ff/image_file.h"
+#include "tools/picture/picture_file.h"
 
 namespace {
 

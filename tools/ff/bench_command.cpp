@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <limits>
 #include <nlohmann/json.hpp>
 
@@ -13,7 +12,7 @@
 #include "engine/core/stopwatch.h"
 #include "tools/ff/bench_run.h"
 #include "tools/ff/heap_counter.h"
-#include "tools/ff/image_file.h"
+#include "tools/ff/machine.h"
 #include "tools/ff/modes.h"
 #include "tools/ff/session.h"
 
@@ -21,14 +20,6 @@ namespace ff::tool {
 namespace {
 
 using nlohmann::json;
-
-/// The processor's name, or "unknown".
-std::string cpu_name() {
-    std::ifstream info("/proc/cpuinfo");
-    for (std::string line; std::getline(info, line);)
-        if (line.rfind("model name", 0) == 0) return line.substr(line.find(':') + 2);
-    return "unknown";
-}
 
 double peak_memory_mb() {
     rusage usage{};
@@ -53,9 +44,12 @@ void measure_errors(Session& session, std::vector<ModeRun>& runs, const ImageSiz
             full_reference->draw(camera, session.dynamic(), settings, full_image);
         }
         for (ModeRun& run : runs) {
-            run.renderer->draw(camera, session.dynamic(), run.settings, image);
+            frame::FrameSettings with_ids = run.settings;
+            with_ids.keep_ids = true;
+            run.renderer->draw(camera, session.dynamic(), with_ids, image);
             run.error.add(int(f), image, reference_image);
-            if (frame::knows_primitives(run.settings.mode))
+            const bool draws_all = run.settings.budget_ms <= 0.0 && run.settings.resolution >= 1.0f;
+            if (frame::knows_primitives(run.settings.mode) || (run.settings.mode == frame::Mode::hybrid && draws_all))
                 run.error.add_primitives(run.renderer->history().visibility, reference->history().visibility);
             if (is_prelit) run.full_error.add(int(f), image, full_image);
             progress.advance();
@@ -107,7 +101,7 @@ Status run_bench(const BenchOptions& options) {
         if (std::any_of(runs.begin(), runs.end(), [&](const ModeRun& run) { return run.name == name; })) continue;
         ModeRun run;
         run.name = name;
-        run.settings = options.view.frame;
+        run.settings = mode_names().at(name) == frame::Mode::hybrid ? session->settings() : options.view.frame;
         run.settings.mode = mode_names().at(name);
         run.renderer = session->make_renderer(options.view.size);
         for (Times* times : {&run.frame_ms, &run.visibility_ms, &run.shading_ms}) times->resize(frames, options.laps);

@@ -80,7 +80,8 @@ nlohmann::json Times::report() const {
 
 nlohmann::json report_of(const ModeRun& run, std::size_t frames, int laps) {
     frame::PixelCounts pixels;
-    double rays = 0, nodes = 0, tested = 0, near_triangles = 0, near_draws = 0, shaded = 0, near_m = 0, stale = 0;
+    double rays = 0, nodes = 0, tested = 0, near_triangles = 0, near_draws = 0, shaded = 0, layers = 0, near_m = 0,
+           stale = 0;
     double resolution = 0, least_resolution = 1;
     double parallax_p99 = 0, parallax_max = 0;
     for (const frame::FrameStats& stats : run.stats) {
@@ -99,6 +100,7 @@ nlohmann::json report_of(const ModeRun& run, std::size_t frames, int laps) {
         near_triangles += double(stats.near_triangles);
         near_draws += double(stats.near_draws);
         shaded += double(stats.shaded_pixels);
+        layers += double(stats.layers);
         near_m += stats.near_m;
         parallax_p99 = std::max(parallax_p99, double(stats.parallax_p99_px));
         parallax_max = std::max(parallax_max, double(stats.parallax_max_px));
@@ -133,6 +135,7 @@ nlohmann::json report_of(const ModeRun& run, std::size_t frames, int laps) {
             {"intersections_per_ray", per_ray(tested)},
             {"traversal_steps_per_ray", per_ray(nodes)},
             {"shaded_pixels_per_frame", shaded / n},
+            {"layers_per_frame", layers / n},
             {"near_triangles_per_frame", near_triangles / n},
             {"near_draws_per_frame", near_draws / n},
             {"near_m_mean", std::isfinite(near_m) ? nlohmann::json(near_m / n) : nlohmann::json(nullptr)},

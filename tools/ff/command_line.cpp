@@ -70,7 +70,8 @@ void add_reproject_options(CLI::App& app, frame::FrameSettings& settings) {
         ->transform(CLI::CheckedTransformer(kCasters, CLI::ignore_case).description(""));
 }
 
-void add_view_options(CLI::App& app, ViewOptions& view, bool with_mode) {
+/// What is drawn, how large and by how many threads.
+void add_scene_options(CLI::App& app, ViewOptions& view) {
     app.add_option("PACK", view.pack, "A .ffpack; or a scene.toml, .gltf or .glb, which is cooked into the cache first")
         ->required();
     app.add_option("--walk", view.walk, "Walkthrough: a name that the pack has, or a .walk.json file")
@@ -84,6 +85,10 @@ void add_view_options(CLI::App& app, ViewOptions& view, bool with_mode) {
         "Image size in pixels, WIDTHxHEIGHT (640x480)");
     app.add_option("--threads", view.threads, "Worker threads; 0: as many as the machine has")
         ->check(CLI::Range(0, 1024));
+}
+
+void add_view_options(CLI::App& app, ViewOptions& view, bool with_mode) {
+    add_scene_options(app, view);
     auto& settings = view.frame;
     if (with_mode)
         app.add_option("--mode", settings.mode,
@@ -107,12 +112,21 @@ void add_view_options(CLI::App& app, ViewOptions& view, bool with_mode) {
         ->check(CLI::Range(0.0, 16.0));
     app.add_option("--prelit-beyond-m", settings.prelit_beyond_m, "Beyond this depth triangles have one prelit colour")
         ->check(CLI::Range(0.0, 1e9));
+    app.add_option("--blend-within-m", settings.blend_within_m,
+                   "Blended surfaces nearer than this are sorted per pixel, farther ones shown by coverage; 0: all")
+        ->check(CLI::Range(0.0, 1e6));
     app.add_option("--opacity", settings.opacity, "Opacity buffer: auto, software or readback")
         ->transform(CLI::CheckedTransformer(kOpacityKinds, CLI::ignore_case).description(""));
     add_reproject_options(app, settings);
     app.add_flag("--no-panorama{false}", settings.use_panorama, "Never reuse the panoramic cache");
     app.add_flag("--no-occlusion{false}", view.use_occlusion, "Draw near instances that others hide, too");
     app.add_flag("--no-horizon{false}", settings.use_horizon, "Cast sky pixels like all others");
+    app.add_option("--max-error-px", view.max_error_px,
+                   "Take the fastest settings that 'ff accuracy' measured to be off by so many pixels at most")
+        ->check(CLI::Range(0.0, 1e3));
+    app.add_option("--min-psnr", view.min_psnr_db,
+                   "Likewise: with at least so many dB against exact frames, in the worst frame")
+        ->check(CLI::Range(0.0, 99.0));
     app.add_flag("--deterministic", settings.deterministic, "Decide from recorded costs instead of measured ones");
 }
 
@@ -172,6 +186,14 @@ int run(int argc, const char* const* argv) {
     bench_app->add_option("--frames", bench.max_frames, "Only the first N frames of the walk; 0: all")
         ->check(CLI::Range(0, 1000000));
 
+    AccuracyOptions accuracy;
+    auto* accuracy_app = app.add_subcommand(
+        "accuracy", "Measure what each approximation costs in time and in error, as a page and JSON");
+    add_scene_options(*accuracy_app, accuracy.view);
+    accuracy_app->add_option("--out", accuracy.out, "Folder for accuracy.html, accuracy.json and pictures")
+        ->capture_default_str();
+    accuracy_app->add_flag("--quick", accuracy.quick, "Few frames, one lap: minutes instead of a quarter of an hour");
+
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {
@@ -191,6 +213,7 @@ int run(int argc, const char* const* argv) {
     if (*render_app) status = with_workers(render.view.threads, [&] { return run_render(render); });
     if (*walk_app) status = with_workers(walk.view.threads, [&] { return run_walk(walk); });
     if (*bench_app) status = with_workers(bench.view.threads, [&] { return run_bench(bench); });
+    if (*accuracy_app) status = with_workers(accuracy.view.threads, [&] { return run_accuracy(accuracy); });
     if (status) return 0;
     log_line("ff: error: ", status.error().message);
     return static_cast<int>(status.error().kind);

@@ -26,6 +26,8 @@ struct ViewOptions {
     frame::FrameSettings frame;
     bool use_occlusion = true;  ///< the hybrid's near field leaves out what is hidden
     int threads = 0;            ///< 0: all
+    /// Errors that may be made: the fastest settings of the pack's accuracy table that keep them are taken.
+    std::optional<double> max_error_px, min_psnr_db;
 };
 
 struct CookOptions {
@@ -68,5 +70,12 @@ struct BenchOptions {
     int max_frames = 0;  ///< 0: the whole walk
 };
 Status run_bench(const BenchOptions& options);
+
+struct AccuracyOptions {
+    ViewOptions view;
+    std::filesystem::path out = "accuracy";
+    bool quick = false;
+};
+Status run_accuracy(const AccuracyOptions& options);
 
 }  // namespace ff::tool

@@ -4,8 +4,8 @@
 
 #include "engine/core/log.h"
 #include "tools/ff/debug_picture.h"
-#include "tools/ff/image_file.h"
 #include "tools/ff/session.h"
+#include "tools/picture/picture_file.h"
 
 namespace ff::tool {
 
@@ -23,9 +23,9 @@ Status run_render(const RenderOptions& options) {
     shading::Image image;
     const auto last = std::size_t(options.frame);
     for (std::size_t f = last - std::min(last, kLeadIn); f < last; ++f)
-        renderer->draw(session->walk().camera(f), session->dynamic(), options.view.frame, image);
+        renderer->draw(session->walk().camera(f), session->dynamic(), session->settings(), image);
     const frame::FrameStats& stats =
-        renderer->draw(session->walk().camera(last), session->dynamic(), options.view.frame, image);
+        renderer->draw(session->walk().camera(last), session->dynamic(), session->settings(), image);
     log_info("frame {} in {:.1f} ms: {} pixels near, {} sky, {} panorama, {} cast and hit, {} cast and missed",
              options.frame, stats.frame_ms, stats.pixels.near_field, stats.pixels.sky, stats.pixels.panorama,
              stats.pixels.cast_hit, stats.pixels.cast_miss);

@@ -12,10 +12,10 @@
 #include "engine/platform/headless.h"
 #include "engine/scene/instance_bounds.h"
 #include "engine/scene/load_world.h"
+#include "tools/accuracy/choose.h"
 #include "tools/cook/cook.h"
 
 namespace ff::tool {
-namespace {
 
 std::filesystem::path cache_directory() {
     if (const char* cache = std::getenv("XDG_CACHE_HOME"); cache != nullptr && *cache != '\0')
@@ -23,6 +23,13 @@ std::filesystem::path cache_directory() {
     if (const char* home = std::getenv("HOME"); home != nullptr && *home != '\0')
         return std::filesystem::path(home) / ".cache" / "farfield";
     return std::filesystem::temp_directory_path() / "farfield";
+}
+
+namespace {
+
+bool is_source(const std::filesystem::path& path) {
+    const std::string ending = path.extension().string();
+    return ending == ".toml" || ending == ".gltf" || ending == ".glb";
 }
 
 /// Where a source's pack lies in the cache: named after the source and its place.
@@ -34,13 +41,16 @@ std::filesystem::path cached_pack_path(const std::filesystem::path& source) {
 
 }  // namespace
 
+std::filesystem::path pack_path(const std::string& pack_or_source) {
+    return is_source(pack_or_source) ? cached_pack_path(pack_or_source) : std::filesystem::path(pack_or_source);
+}
+
 Result<std::filesystem::path> pack_of(const std::string& pack_or_source) {
     const std::filesystem::path path(pack_or_source);
     if (!std::filesystem::exists(path)) return bad_input(fmt::format("{}: there is no such file", pack_or_source));
-    const std::string ending = path.extension().string();
-    if (ending != ".toml" && ending != ".gltf" && ending != ".glb") return path;
+    if (!is_source(path)) return path;
 
-    const std::filesystem::path pack = cached_pack_path(path);
+    const std::filesystem::path pack = pack_path(pack_or_source);
     std::error_code error;
     std::filesystem::create_directories(pack.parent_path(), error);
     if (error) return failure(fmt::format("{}: cannot create: {}", pack.parent_path().string(), error.message()));
@@ -48,6 +58,19 @@ Result<std::filesystem::path> pack_of(const std::string& pack_or_source) {
     FF_ASSIGN(const cook::CookReport report, cook::cook(path, pack, {}));
     log_info("{}", report.to_text());
     return pack;
+}
+
+Result<frame::FrameSettings> chosen_settings(const ViewOptions& options, const scene::World& world,
+                                             const scene::Walk& walk) {
+    frame::FrameSettings settings = options.frame;
+    if (!options.max_error_px && !options.min_psnr_db) return settings;
+    accuracy::Limits limits;
+    if (options.max_error_px) limits.max_displacement_px = *options.max_error_px;
+    if (options.min_psnr_db) limits.min_psnr_db = *options.min_psnr_db;
+    FF_ASSIGN(const std::string why, accuracy::choose_settings(pack_path(options.pack), world.statistics().pack_hash,
+                                                               walk.name, limits, settings));
+    log_info("settings: {}", why);
+    return settings;
 }
 
 Result<std::unique_ptr<scene::World>> open_world(const std::string& pack_or_source) {
@@ -101,10 +124,11 @@ Result<std::unique_ptr<Session>> Session::open(const ViewOptions& options, std::
     auto session = std::unique_ptr<Session>(new Session);
     FF_ASSIGN(session->world_, open_world(options.pack));
     FF_ASSIGN(session->walk_, find_walk(*session->world_, options.walk));
+    FF_ASSIGN(session->settings_, chosen_settings(options, *session->world_, session->walk_));
     session->casters_ = std::make_unique<frame::Casters>(session->world_->scene());
     session->dynamic_ = dynamic_instances(*session->world_);
 
-    bool needs_gl = options.frame.fixed_near_m.value_or(0.0) > 0.0;
+    bool needs_gl = session->settings_.fixed_near_m.value_or(0.0) > 0.0;
     for (const frame::Mode mode : modes) needs_gl |= mode == frame::Mode::raster || mode == frame::Mode::near;
     auto context = platform::HeadlessContext::open();
     if (!context) {
@@ -114,6 +138,7 @@ Result<std::unique_ptr<Session>> Session::open(const ViewOptions& options, std::
     session->gl_ = std::make_unique<HeadlessGl>(std::move(*context));
     FF_ASSIGN(const gl::DeviceInfo device, gl::query_device());
     session->gl_name_ = device.renderer;
+    session->gl_is_software_ = device.is_software;
     if (needs_gl || !device.is_software) {
         FF_TRY(session->gl_->load(session->world_->scene()));
         if (!options.use_occlusion) session->near_renderer()->set_occlusion({.enabled = false});

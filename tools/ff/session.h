@@ -12,8 +12,19 @@
 
 namespace ff::tool {
 
+/// Where the tool keeps what it can make again.
+std::filesystem::path cache_directory();
+
+/// Where the pack lies that is drawn: the one that is given, or that which a source is cooked into.
+[[nodiscard]] std::filesystem::path pack_path(const std::string& pack_or_source);
+
 /// The pack itself, or for a source (scene.toml, .gltf, .glb) the pack that it is cooked into in the user's cache.
 Result<std::filesystem::path> pack_of(const std::string& pack_or_source);
+
+/// The frame settings that the options ask for, those chosen by an allowed error included; says what it chose and why.
+/// @param walk  that will be walked. Errors: no accuracy table of this pack.
+Result<frame::FrameSettings> chosen_settings(const ViewOptions& options, const scene::World& world,
+                                             const scene::Walk& walk);
 
 /// Opens a pack; a source (scene.toml, .gltf, .glb) is cooked into the user's cache first.
 Result<std::unique_ptr<scene::World>> open_world(const std::string& pack_or_source);
@@ -38,10 +49,13 @@ class Session {
 
     [[nodiscard]] const scene::World& world() const { return *world_; }
     [[nodiscard]] const scene::Walk& walk() const { return walk_; }
+    /// What the options ask for, see chosen_settings.
+    [[nodiscard]] const frame::FrameSettings& settings() const { return settings_; }
     [[nodiscard]] std::span<const scene::Instance> dynamic() const { return dynamic_; }
     [[nodiscard]] frame::Casters& casters() { return *casters_; }
     [[nodiscard]] nearfield::NearRenderer* near_renderer();
     [[nodiscard]] const std::string& gl_renderer_name() const { return gl_name_; }
+    [[nodiscard]] bool has_software_gl() const { return gl_is_software_; }
     /// A renderer with a history of its own.
     [[nodiscard]] std::unique_ptr<frame::Renderer> make_renderer(const ImageSize& size);
 
@@ -49,8 +63,10 @@ class Session {
     Session();
     std::unique_ptr<scene::World> world_;
     scene::Walk walk_;
+    frame::FrameSettings settings_;
     std::vector<scene::Instance> dynamic_;
     std::string gl_name_ = "none";
+    bool gl_is_software_ = false;
     std::unique_ptr<HeadlessGl> gl_;
     std::unique_ptr<frame::Casters> casters_;
 };

@@ -8,10 +8,11 @@
 #include "engine/core/log.h"
 #include "engine/core/write_file.h"
 #include "engine/platform/output.h"
-#include "tools/ff/image_file.h"
 #include "tools/ff/session.h"
 #include "tools/ff/stats_json.h"
+#include "tools/ff/video_writer.h"
 #include "tools/ff/walk_window.h"
+#include "tools/picture/picture_file.h"
 
 namespace ff::tool {
 namespace {
@@ -50,7 +51,7 @@ Status walk_headless(const WalkOptions& options) {
         Progress progress("walking", walk.frames.size());
         for (std::size_t f = 0; f < walk.frames.size(); ++f) {
             const frame::FrameStats& stats =
-                renderer->draw(walk.camera(f), session->dynamic(), options.view.frame, image);
+                renderer->draw(walk.camera(f), session->dynamic(), session->settings(), image);
             frames.push_back(to_json(stats));
             times.push_back(stats.frame_ms);
             if (f % every == 0) {

@@ -12,8 +12,8 @@
 #include "engine/nearfield/near_renderer.h"
 #include "engine/platform/window.h"
 #include "tools/ff/debug_picture.h"
-#include "tools/ff/image_file.h"
 #include "tools/ff/session.h"
+#include "tools/picture/picture_file.h"
 
 namespace ff::tool {
 namespace {
@@ -107,6 +107,7 @@ Status save_picture(const std::filesystem::path& out, const shading::Image& imag
 Status walk_in_window(const WalkOptions& options) {
     FF_ASSIGN(const std::unique_ptr<scene::World> world, open_world(options.view.pack));
     FF_ASSIGN(const scene::Walk walk, find_walk(*world, options.view.walk));
+    FF_ASSIGN(const frame::FrameSettings settings, chosen_settings(options.view, *world, walk));
     FF_ASSIGN(platform::Window window, platform::Window::open({.title = "Farfield: " + world->info().name,
                                                                .width = options.view.size.width,
                                                                .height = options.view.size.height}));
@@ -139,7 +140,7 @@ Status walk_in_window(const WalkOptions& options) {
             renderer =
                 std::make_unique<frame::Renderer>(world->scene(), casters, &near_renderer, size.width, size.height);
         }
-        const frame::FrameStats& stats = renderer->draw(camera, dynamic, options.view.frame, image);
+        const frame::FrameStats& stats = renderer->draw(camera, dynamic, settings, image);
         if (input.pressed(Key::f1)) show_overlay = !show_overlay;
         if (input.pressed(Key::f2)) debug_view = (debug_view + 1) % int(kDebugViewNames.size());
         draw_debug_view(DebugView(debug_view), *renderer, casters, image);
@@ -149,7 +150,7 @@ Status walk_in_window(const WalkOptions& options) {
         if (show_overlay) {
             fill_overlay(*renderer, overlay_data);
             overlay_data.graph = recent_ms;
-            overlay_data.graph_budget_ms = float(options.view.frame.budget_ms);
+            overlay_data.graph_budget_ms = float(settings.budget_ms);
             overlay.draw(overlay_data);
         }
         window.swap();

@@ -9,9 +9,6 @@
 
 namespace ff::tool {
 
-/// Writes an image as PNG, EXR, JPEG ..., by the name's ending; whole or not at all.
-Status write_image(const std::filesystem::path& path, const shading::Image& image);
-
 /// Frames into a video file through ffmpeg, at the walk's rate.
 class VideoWriter {
   public:

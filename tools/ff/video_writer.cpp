@@ -1,35 +1,12 @@
-#include "tools/ff/image_file.h"
+#include "tools/ff/video_writer.h"
 
-#include <OpenImageIO/imageio.h>
 #include <fmt/format.h>
-#include <unistd.h>
 
-#include <cmath>
 #include <csignal>
 #include <cstdlib>
-#include <limits>
 #include <utility>
 
 namespace ff::tool {
-
-Status write_image(const std::filesystem::path& path, const shading::Image& image) {
-    // The ending decides the format, so the part file keeps it.
-    const auto part = path.parent_path() / fmt::format(".part{}-{}", ::getpid(), path.filename().string());
-    auto output = OIIO::ImageOutput::create(path.string());
-    if (!output) return usage_error(fmt::format("{}: no image format has this ending; use .png", path.string()));
-    OIIO::ImageSpec spec(image.width, image.height, 3, OIIO::TypeDesc::UINT8);
-    spec.attribute("oiio:ColorSpace", "sRGB");
-    std::error_code ignored;
-    if (!output->open(part.string(), spec) ||
-        !output->write_image(OIIO::TypeDesc::UINT8, image.pixels.data(), 4, OIIO::stride_t(image.stride) * 4) ||
-        !output->close()) {
-        std::filesystem::remove(part, ignored);
-        return failure(fmt::format("{}: cannot write: {}", path.string(), output->geterror()));
-    }
-    std::filesystem::rename(part, path, ignored);
-    if (ignored) return failure(fmt::format("{}: cannot rename into place: {}", path.string(), ignored.message()));
-    return {};
-}
 
 Result<VideoWriter> VideoWriter::open(const std::filesystem::path& path, int width, int height, double rate_hz) {
     if (std::system("command -v ffmpeg >/dev/null 2>&1") != 0)

@@ -1,0 +1,127 @@
+#include "engine/frame/knobs.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <limits>
+
+namespace ff::frame {
+namespace {
+
+/// Stands for without end: tables are stored as JSON, which has no infinity.
+constexpr double kUnlimited = 1e9;
+
+constexpr std::array kBudgets{KnobValue{0.0, "none"}, KnobValue{33}, KnobValue{24}, KnobValue{16},
+                              KnobValue{12},          KnobValue{8},  KnobValue{6},  KnobValue{4}};
+constexpr std::array kResolutionShares{KnobValue{1.0, "100%"}, KnobValue{0.84, "84%"}, KnobValue{0.71, "71%"},
+                                       KnobValue{0.59, "59%"}, KnobValue{0.5, "50%"},  KnobValue{0.35, "35%"}};
+constexpr std::array kParallaxes{KnobValue{0.0, "never"}, KnobValue{0.25}, KnobValue{0.5},
+                                 KnobValue{1.0},          KnobValue{2.0},  KnobValue{4.0}};
+constexpr std::array kRayBudgets{KnobValue{kUnlimited, "all"},
+                                 KnobValue{160'000},
+                                 KnobValue{80'000},
+                                 KnobValue{40'000},
+                                 KnobValue{20'000},
+                                 KnobValue{10'000}};
+constexpr std::array kDensities{KnobValue{1.5}, KnobValue{1.0}, KnobValue{0.75}, KnobValue{0.5}, KnobValue{0.35}};
+constexpr std::array kEdgeRules{KnobValue{1, "cast"}, KnobValue{2, "verify"}, KnobValue{0, "blend"}};
+constexpr std::array kPrelitDistances{
+    KnobValue{kUnlimited, "never"}, KnobValue{1600}, KnobValue{400}, KnobValue{100}, KnobValue{25}, KnobValue{0}};
+constexpr std::array kBlendDistances{KnobValue{60}, KnobValue{20}, KnobValue{0, "by coverage"}};
+constexpr std::array kSubsamples{KnobValue{1, "every"}, KnobValue{2, "every 2nd"}, KnobValue{4, "every 4th"}};
+constexpr std::array kHorizonUses{KnobValue{1, "traced"}, KnobValue{0, "off"}};
+constexpr std::array kCasterKinds{KnobValue{0, "beam"}, KnobValue{1, "embree"}, KnobValue{2, "grid"}};
+constexpr std::array kGridCells{KnobValue{1}, KnobValue{4}, KnobValue{16}};
+constexpr std::array kNearDistances{KnobValue{0}, KnobValue{25}, KnobValue{50}, KnobValue{100}, KnobValue{400}};
+constexpr std::array kOpacityKinds{KnobValue{2, "readback"}, KnobValue{1, "software"}};
+
+/// A panorama that serves a moving viewer, as the knobs of the panorama need it to show.
+void reuse(FrameSettings& s) {
+    s.use_panorama = s.reuse_while_moving = true;
+}
+
+const std::array kKnobs{
+    Knob{"budget_ms", "ms", "Time that a frame may take; what does not fit is drawn smaller.", 0.0, kBudgets,
+         [](FrameSettings& s, double v) { s.budget_ms = v; }},
+    Knob{"resolution", "", "Share of the image's sides that is drawn, then enlarged.", 1.0, kResolutionShares,
+         [](FrameSettings& s, double v) { s.resolution = float(v); }},
+    Knob{"panorama_parallax", "px", "A walking viewer reuses panorama texels up to this predicted parallax.", 0.0,
+         kParallaxes,
+         [](FrameSettings& s, double v) {
+             s.reuse_while_moving = v > 0.0;
+             if (v > 0.0) s.use_panorama = true;
+             if (v > 0.0) s.max_parallax_px = float(v);
+         }},
+    Knob{"ray_budget", "rays", "Pixels cast a frame at most, where a walking viewer reuses the panorama.", kUnlimited,
+         kRayBudgets,
+         [](FrameSettings& s, double v) {
+             reuse(s);
+             s.ray_budget = v < kUnlimited ? std::uint64_t(v) : UINT64_MAX;
+         }},
+    Knob{"panorama_density", "x", "Texels a side of a reused panorama, against the usual 1.25 a pixel.", 1.0,
+         kDensities,
+         [](FrameSettings& s, double v) {
+             reuse(s);
+             s.panorama_density = float(v);
+         }},
+    Knob{"panorama_edges", "", "What happens where the texels of a reused panorama show different things.", 2.0,
+         kEdgeRules,
+         [](FrameSettings& s, double v) {
+             reuse(s);
+             s.panorama_edges = farfield::EdgeRule(int(v));
+         }},
+    Knob{"prelit_beyond", "m", "Beyond this distance triangles have one prelit colour instead of textures.", kUnlimited,
+         kPrelitDistances,
+         [](FrameSettings& s, double v) {
+             s.prelit_beyond_m = v < kUnlimited ? float(v) : std::numeric_limits<float>::infinity();
+         }},
+    Knob{"blend_within", "m", "Blended surfaces nearer than this are sorted per pixel, farther ones shown by coverage.",
+         60.0, kBlendDistances, [](FrameSettings& s, double v) { s.blend_within_m = float(v); }},
+    Knob{"horizon", "", "Whether sky above the traced skyline is left to nobody.", 1.0, kHorizonUses,
+         [](FrameSettings& s, double v) { s.use_horizon = v != 0.0; }},
+    Knob{"horizon_subsample", "", "Which azimuths are traced; fewer ones on height squares so much coarser.", 1.0,
+         kSubsamples, [](FrameSettings& s, double v) { s.horizon_subsample = int(v); }},
+    Knob{"caster", "", "Who answers what is left over.", 0.0, kCasterKinds,
+         [](FrameSettings& s, double v) { s.caster = CasterKind(int(v)); }},
+    Knob{"grid_cells", "a triangle", "Cells of the regular grid, where that answers what is left over.", 4.0,
+         kGridCells,
+         [](FrameSettings& s, double v) {
+             s.caster = CasterKind::grid;
+             s.grid_cells_per_item = float(v);
+         }},
+    Knob{"near_distance", "m", "Cells nearer than this are rasterised by OpenGL.", 0.0, kNearDistances,
+         [](FrameSettings& s, double v) { s.fixed_near_m = v; }, true},
+    Knob{"opacity", "", "How the near field's covered pixels are found, at 50 m near distance.", 2.0, kOpacityKinds,
+         [](FrameSettings& s, double v) {
+             s.fixed_near_m = s.fixed_near_m.value_or(50.0);
+             s.opacity = OpacityKind(int(v));
+         },
+         true},
+};
+
+}  // namespace
+
+std::string Knob::text(double value) const {
+    for (const KnobValue& v : values)
+        if (v.value == value && !v.name.empty()) return std::string(v.name);
+    return unit.empty() ? fmt::format("{}", value) : fmt::format("{} {}", value, unit);
+}
+
+std::span<const Knob> knobs() {
+    return kKnobs;
+}
+
+Status set_knob(FrameSettings& settings, std::string_view name, double value) {
+    const auto knob = std::find_if(kKnobs.begin(), kKnobs.end(), [&](const Knob& k) { return k.name == name; });
+    if (knob == kKnobs.end()) return failure(fmt::format("there is no knob '{}'", name));
+    const auto [low, high] =
+        std::minmax_element(knob->values.begin(), knob->values.end(),
+                            [](const KnobValue& a, const KnobValue& b) { return a.value < b.value; });
+    if (!(value >= low->value && value <= high->value))
+        return failure(fmt::format("knob '{}': {} is not in [{}, {}]", name, value, low->value, high->value));
+    knob->set(settings, value);
+    return {};
+}
+
+}  // namespace ff::frame
