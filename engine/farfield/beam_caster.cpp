@@ -5,6 +5,7 @@
 #include "engine/core/check.h"
 #include "engine/core/jobs.h"
 #include "engine/farfield/cast_cost_sum.h"
+#include "engine/farfield/float_ray.h"
 
 namespace ff::farfield {
 namespace beam {
@@ -59,7 +60,9 @@ class BeamCaster final : public RayCaster {
         CastCostSum shared;
         parallel_ranges(rays.size(), 64, [&](std::size_t begin, std::size_t end) {
             CastCost cost;
-            for (std::size_t i = begin; i < end; ++i) hits[i] = beam::cast_ray(scene_, rays[i], cost);
+            for (std::size_t i = begin; i < end; ++i)
+                hits[i] = cast_float_ray(scene_.bounds, rays[i],
+                                         [&](const Ray& ray) { return beam::cast_ray(scene_, ray, cost); });
             shared.add(cost);
         });
         return shared.total();

@@ -193,6 +193,7 @@ HWY_INLINE void draw(const LeafScratch& s, int i, std::uint32_t instance, std::u
     const VF gx = hn::Set(f, s.gx[i]), gy = hn::Set(f, s.gy[i]), g0 = hn::Set(f, s.g0[i]);
     const VF low = hn::Set(f, s.low[i]), high = hn::Set(f, s.high[i]);
     const auto own_instance = hn::Set(ui, instance), own_triangle = hn::Set(ui, triangle);
+    const bool is_thin = s.thin[i] != 0.0f;
     const int first_chunk = s.x0[i] / kLanes * kLanes, last_chunk = s.x1[i];
     for (int row = s.y0[i]; row <= s.y1[i]; ++row) {
         const VF y = hn::Set(f, float(row) - kHalf);
@@ -208,6 +209,11 @@ HWY_INLINE void draw(const LeafScratch& s, int i, std::uint32_t instance, std::u
             const MF inside = hn::Ge(min3(e[0], e[1], e[2]), hn::Zero(f));
             MF win = hn::And(inside, hn::Ge(inverse_depth, best));
             if (hn::AllFalse(f, win)) continue;
+            if (HWY_UNLIKELY(is_thin)) {
+                const VF low_x = hn::Set(f, float(s.x0[i]) - kHalf), high_x = hn::Set(f, float(s.x1[i]) - kHalf);
+                win = hn::And(win, hn::And(hn::Ge(x, low_x), hn::Le(x, high_x)));
+                if (hn::AllFalse(f, win)) continue;
+            }
             std::uint32_t* instance_at = tile.instance + row * 16 + chunk;
             std::uint32_t* triangle_at = tile.triangle + row * 16 + chunk;
             const auto old_instance = hn::Load(ui, instance_at), old_triangle = hn::Load(ui, triangle_at);

@@ -34,6 +34,7 @@ struct alignas(64) LeafScratch {
     float gx[16], gy[16], g0[16];  // 1/depth as a plane over the tile
     float low[16], high[16];       // its range over the triangle
     float weight[3][16];           // edge function to (unnormalised) barycentric
+    float thin[16];                // not 0: hardly wider than the rounding of its edges
     std::int32_t x0[16], x1[16], y0[16], y1[16];
 };
 
@@ -273,6 +274,32 @@ HWY_NOINLINE std::uint32_t set_up(const BvhLeaf& leaf, int first, const Tile& ti
         gy = hn::IfThenElse(all_usable, gy, blend(e[0].b, e[1].b, e[2].b));
         g0 = hn::IfThenElse(all_usable, g0, blend(plain_c[0], plain_c[1], plain_c[2]));
     }
+
+    // A triangle no wider than its edges' rounding is a line: along it they say nothing of where it ends, nor does its
+    // plane of how far it is. Then its pixels are those of its bounds, and its depth is that of its longest edge.
+    const VF rounding = hn::Add(e[0].error, hn::Add(e[1].error, e[2].error));
+    const MF thin = hn::And(all_usable, hn::Lt(hn::Abs(area), hn::Mul(rounding, hn::Set(f, kThin))));
+    if (HWY_UNLIKELY(!hn::AllFalse(f, thin))) {
+        const VF bcx = hn::Sub(p[2].x, p[1].x), bcy = hn::Sub(p[2].y, p[1].y);
+        const auto squared = [](VF x, VF y) { return hn::MulAdd(x, x, hn::Mul(y, y)); };
+        const VF ab2 = squared(abx, aby), ac2 = squared(acx, acy), bc2 = squared(bcx, bcy);
+        const MF ac_longer = hn::Gt(ac2, ab2);
+        VF x = hn::IfThenElse(ac_longer, acx, abx), y = hn::IfThenElse(ac_longer, acy, aby);
+        VF rise = hn::IfThenElse(ac_longer, ac, ab), length2 = hn::Max(ac2, ab2);
+        const MF bc_longest = hn::Gt(bc2, length2);
+        x = hn::IfThenElse(bc_longest, bcx, x);
+        y = hn::IfThenElse(bc_longest, bcy, y);
+        rise = hn::IfThenElse(bc_longest, hn::Sub(p[2].iw, p[1].iw), rise);
+        length2 = hn::IfThenElse(bc_longest, bc2, length2);
+        const Corner& b = p[1];
+        const VF start_x = hn::IfThenElse(bc_longest, b.x, p[0].x), start_y = hn::IfThenElse(bc_longest, b.y, p[0].y);
+        const VF start = hn::IfThenElse(bc_longest, b.iw, p[0].iw);
+        const VF slope = hn::Div(rise, length2);
+        gx = hn::IfThenElse(thin, hn::Mul(slope, x), gx);
+        gy = hn::IfThenElse(thin, hn::Mul(slope, y), gy);
+        g0 = hn::IfThenElse(thin, hn::NegMulAdd(gx, start_x, hn::NegMulAdd(gy, start_y, start)), g0);
+    }
+    hn::Store(hn::IfThenElseZero(thin, hn::Set(f, 1.0f)), f, s.thin + first);
 
     for (int k = 0; k < 3; ++k) {
         hn::Store(e[k].a, f, s.a[k] + first);

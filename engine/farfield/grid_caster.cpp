@@ -6,6 +6,7 @@
 #include "engine/core/jobs.h"
 #include "engine/core/stopwatch.h"
 #include "engine/farfield/cast_cost_sum.h"
+#include "engine/farfield/float_ray.h"
 #include "engine/farfield/grid_traversal.h"
 
 namespace ff::farfield {
@@ -48,7 +49,10 @@ class GridCaster final : public RayCaster {
         CastCostSum cost;
         parallel_ranges(rays.size(), kRaysPerTask, [&](std::size_t begin, std::size_t end) {
             CastCost sum;
-            for (std::size_t i = begin; i < end; ++i) hits[i] = grid::cast_ray(world_, rays[i], grid::RayCone{}, sum);
+            for (std::size_t i = begin; i < end; ++i)
+                hits[i] = cast_float_ray(world_.scene.bounds, rays[i], [&](const Ray& ray) {
+                    return grid::cast_ray(world_, ray, grid::RayCone{}, sum);
+                });
             cost.add(sum);
         });
         return cost.total();

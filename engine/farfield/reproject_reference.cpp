@@ -205,8 +205,7 @@ double intersect_primitive(const scene::StaticScene& scene, const PinholeView& v
     const double depth = glm::dot(ac, moment) / determinant;
     if (!(b1 >= -slack && b2 >= -slack && b1 + b2 <= 1.0 + slack && depth > 0.0)) return kInfinity;
     const AlphaSurface surface = make_alpha_surface(scene, instance, instance_id, triangle);
-    const bool in_layer = is_in_layer(surface, float(depth * glm::length(ray)), view.blend_within_m);
-    return is_opaque_at(surface, float(b1), float(b2), float(depth) * view.pixel_angle(), in_layer) ? depth : kInfinity;
+    return is_opaque_at(surface, float(b1), float(b2), float(depth) * view.pixel_angle()) ? depth : kInfinity;
 }
 
 std::vector<PixelCause> reproject_reference(const scene::StaticScene& scene, const PinholeView& last_view,

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
 
 #include "engine/core/check.h"
 #include "engine/core/stopwatch.h"
+#include "engine/frame/check_input.h"
 #include "engine/nearfield/near_renderer.h"
 
 namespace ff::frame {
@@ -65,9 +67,20 @@ void Renderer::reset() {
     history_.reset(width_, height_);
 }
 
+const FrameStats& Renderer::refuse(Error reason, shading::Image& image) {
+    refusal_ = std::move(reason);
+    if (image.width != width_ || image.height != height_) image.resize(width_, height_);
+    refused_stats_ = {};
+    refused_stats_.refused = true;
+    return refused_stats_;
+}
+
 const FrameStats& Renderer::draw(const Camera& camera, std::span<const scene::Instance> dynamic,
                                  const FrameSettings& settings, shading::Image& image) {
     const Stopwatch watch;
+    if (const Status input = check_frame_input(tools_.scene, camera, dynamic, settings); !input)
+        return refuse(input.error(), image);
+    refusal_ = {};
     plan_frame(tools_.scene, dynamic, camera, width_, height_, settings, history_, plan_);
     const double plan_ms = watch.milliseconds();
     history_.last_stats = run_passes(plan_, tools_, history_, image);

@@ -30,21 +30,34 @@ void reproject(const FramePlan& plan, const Tools& tools, FrameHistory& history,
 
 }  // namespace
 
-void reproject_or_cast(const FramePlan& plan, const Tools& tools, FrameHistory& history, FrameStats& stats) {
+void draw_reprojected_frame(const FramePlan& plan, const Tools& tools, FrameHistory& history, shading::Image& image,
+                            FrameStats& stats) {
+    if (image.width != plan.view.width || image.height != plan.view.height)
+        image.resize(plan.view.width, plan.view.height);
     if (plan.may_reproject)
         reproject(plan, tools, history, stats);
     else
         history.requests = history.all_tiles;
-    const TimedPass timed(stats, Pass::cast);
-    const farfield::CastCost cost =
-        farfield::cast_left_over(tools.casters.get(CasterKind::embree, plan.grid_cells_per_item),
-                                 tools.casters.get(plan.caster, plan.grid_cells_per_item), plan.view, history.requests,
-                                 history.wanted, history.to_shade, history.visibility);
-    stats.rays = cost.rays;
-    stats.nodes_visited = cost.nodes;
-    stats.triangles_tested += cost.triangles;
-    stats.pixels.cast_miss = farfield::count_sky(history.requests, history.visibility);
-    stats.pixels.cast_hit = cost.rays - stats.pixels.cast_miss;
+    {
+        const TimedPass timed(stats, Pass::cast);
+        const farfield::CastCost cost =
+            farfield::cast_left_over(tools.casters.get(CasterKind::embree), tools.casters.get(plan.caster), plan.view,
+                                     history.requests, history.wanted, history.to_shade, history.visibility);
+        stats.rays = cost.rays;
+        stats.nodes_visited = cost.nodes;
+        stats.triangles_tested += cost.triangles;
+        stats.pixels.cast_miss = farfield::count_sky(history.requests, history.visibility);
+        stats.pixels.cast_hit = cost.rays - stats.pixels.cast_miss;
+    }
+    if (!plan.dynamic.empty()) {
+        const TimedPass timed(stats, Pass::cast);
+        tools.dynamic_overlay.draw(plan.view, plan.dynamic, history.all_tiles, history.visibility,
+                                   history.sources.dynamic);
+        stats.pixels.dynamic = history.sources.dynamic.count();
+    }
+    const TimedPass timed(stats, Pass::shade);
+    stats.shaded_pixels = shading::shade_tiles(tools.scene, plan.dynamic, plan.view, history.visibility,
+                                               history.all_tiles, {.prelit_beyond_m = plan.prelit_beyond_m}, image);
 }
 
 }  // namespace ff::frame

@@ -1,6 +1,7 @@
 #include "engine/frame/run_passes.h"
 
 #include <algorithm>
+#include <bit>
 
 #include "engine/core/check.h"
 #include "engine/core/log.h"
@@ -246,10 +247,9 @@ farfield::RayCaster& Casters::get(CasterKind kind, double grid_cells_per_item) {
 
 namespace {
 
-/// What each pixel sees of the static world: from the near field, the horizon and the panorama, and what these leave
-/// by casting.
-void find_what_is_seen(const FramePlan& plan, const Tools& tools, FrameHistory& history, shading::Image& image,
-                       FrameStats& stats) {
+/// Every surface but transparent layers, each pixel by the cheapest source that is right.
+void draw_surfaces(const FramePlan& plan, const Tools& tools, FrameHistory& history, shading::Image& image,
+                   FrameStats& stats) {
     farfield::VisibilityBuffer& visibility = history.visibility;
     SourceMasks& sources = history.sources;
 
@@ -275,6 +275,8 @@ void find_what_is_seen(const FramePlan& plan, const Tools& tools, FrameHistory& 
 
     // Panorama: pixels whose cached texel still looks right from here.
     // What nobody answers within the budget keeps its colour of the last frame.
+    if (image.width != plan.view.width || image.height != plan.view.height)
+        image.resize(plan.view.width, plan.view.height);
     std::vector<TileRequest>* casts = &history.wanted;
     if (plan.look_up_panorama || plan.store_panorama || plan.fill_panorama) {
         const TimedPass timed(stats, Pass::panorama);
@@ -310,33 +312,6 @@ void find_what_is_seen(const FramePlan& plan, const Tools& tools, FrameHistory& 
         stats.pixels.cast_miss = farfield::count_sky(*casts, visibility);
         stats.pixels.cast_hit = pixels - stats.pixels.cast_miss;
     }
-}
-
-/// All passes but the last, at the size of the plan's view.
-FrameStats draw_view(const FramePlan& plan, const Tools& tools, FrameHistory& history, shading::Image& image) {
-    FrameStats stats;
-    history.fit(plan.view.width, plan.view.height);
-    farfield::VisibilityBuffer& visibility = history.visibility;
-    SourceMasks& sources = history.sources;
-    for (PixelMask* mask :
-         {&sources.near_field, &sources.sky, &sources.panorama, &sources.cast, &sources.dynamic, &sources.verified})
-        mask->reset(plan.view.width, plan.view.height);
-
-    if (plan.mode == Mode::raster || plan.mode == Mode::near) {
-        FF_CHECK(tools.near_renderer != nullptr, "mode raster needs OpenGL");
-        draw_by_rasteriser(plan, tools, history, image, stats);
-        stats.near_m = plan.near_m;
-        return stats;
-    }
-
-    if (image.width != plan.view.width || image.height != plan.view.height)
-        image.resize(plan.view.width, plan.view.height);
-    if (plan.primitives_are_known)
-        confirm_known_primitives(plan, tools, history, stats);
-    else if (plan.mode == Mode::reproject)
-        reproject_or_cast(plan, tools, history, stats);
-    else
-        find_what_is_seen(plan, tools, history, image, stats);
 
     // What moves: over all that stands still, wherever it is nearer.
     if (!plan.dynamic.empty()) {
@@ -364,10 +339,30 @@ FrameStats draw_view(const FramePlan& plan, const Tools& tools, FrameHistory& hi
         collect_requests(history.all_tiles, others, history.to_store);
         history.panorama->store(plan.view, history.to_store, visibility, image.pixels, image.stride);
     }
+}
 
-    // Transparent layers, over everything and remembered by nothing.
-    if (may_have_layers(plan, tools)) blend_layers(plan, tools, history, image, stats);
+/// All passes but the last, at the size of the plan's view.
+FrameStats draw_view(const FramePlan& plan, const Tools& tools, FrameHistory& history, shading::Image& image) {
+    FrameStats stats;
+    history.fit(plan.view.width, plan.view.height);
+    SourceMasks& sources = history.sources;
+    for (PixelMask* mask :
+         {&sources.near_field, &sources.sky, &sources.panorama, &sources.cast, &sources.dynamic, &sources.verified})
+        mask->reset(plan.view.width, plan.view.height);
 
+    if (plan.mode == Mode::raster || plan.mode == Mode::near) {
+        FF_CHECK(tools.near_renderer != nullptr, "mode raster needs OpenGL");
+        draw_by_rasteriser(plan, tools, history, image, stats);
+    } else {
+        if (plan.primitives_are_known)
+            draw_known_frame(plan, tools, history, image, stats);
+        else if (plan.mode == Mode::reproject)
+            draw_reprojected_frame(plan, tools, history, image, stats);
+        else
+            draw_surfaces(plan, tools, history, image, stats);
+        // Transparent layers, over everything and remembered by nothing.
+        if (may_have_layers(plan, tools)) blend_layers(plan, tools, history, image, stats);
+    }
     stats.near_m = plan.near_m;
     stats.ray_budget = plan.ray_budget;
     return stats;

@@ -44,9 +44,9 @@ struct FrameSettings {
     /// coverage. Metres along the ray, [0, inf); 0: all by coverage.
     float blend_within_m = 60.0f;
     OpacityKind opacity = OpacityKind::automatic;
+    float resolution = 1.0f;  ///< share of the image's sides that is drawn; enlarged to be shown. [0.25, 1]
     farfield::ReprojectSettings reproject;           ///< mode reproject
     CasterKind reproject_caster = CasterKind::beam;  ///< of tiles that it leaves; single pixels go to Embree
-    float resolution = 1.0f;  ///< share of the image's sides that is drawn; enlarged to be shown. [0.25, 1]
 
     bool use_panorama = true;
     /// Texels within max_parallax_px serve a viewer who moves, too, not only one who turns: P0's way, not exact.

@@ -43,6 +43,7 @@ struct PixelCounts {
 };
 
 struct FrameStats {
+    bool refused = false;  ///< nothing was drawn: camera, settings or instances held numbers that are none
     double frame_ms = 0.0;
     double untimed_ms = 0.0;  ///< not part of frame_ms: what mode irsa spends to know its primitives
     std::array<double, kPassCount> pass_ms{};

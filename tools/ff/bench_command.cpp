@@ -101,8 +101,9 @@ Status run_bench(const BenchOptions& options) {
         if (std::any_of(runs.begin(), runs.end(), [&](const ModeRun& run) { return run.name == name; })) continue;
         ModeRun run;
         run.name = name;
-        run.settings = mode_names().at(name) == frame::Mode::hybrid ? session->settings() : options.view.frame;
-        run.settings.mode = mode_names().at(name);
+        const frame::Mode mode = mode_names().at(name);
+        run.settings = mode == frame::Mode::hybrid ? session->settings() : options.view.frame;
+        run.settings.mode = mode;
         run.renderer = session->make_renderer(options.view.size);
         for (Times* times : {&run.frame_ms, &run.visibility_ms, &run.shading_ms}) times->resize(frames, options.laps);
         run.stats.reserve(frames);

@@ -1,5 +1,7 @@
 #include <CLI/CLI.hpp>
+#include <cmath>
 #include <cstdio>
+#include <cstdlib>
 
 #include "engine/core/jobs.h"
 #include "engine/core/log.h"
@@ -26,6 +28,17 @@ std::string parse_size(const std::string& text, ImageSize& size) {
         return "--size: '" + text + "' is not WIDTHxHEIGHT with both from 16 to 8192, as 640x480";
     size = {width, height};
     return {};
+}
+
+/// CLI::Range lets not-a-number pass, which is neither below nor above.
+CLI::Validator number_in(double low, double high) {
+    return CLI::Range(low, high) & CLI::Validator(
+                                       [](const std::string& text) {
+                                           return std::isnan(std::strtod(text.c_str(), nullptr))
+                                                      ? "'" + text + "' is not a number"
+                                                      : std::string();
+                                       },
+                                       "");
 }
 
 /// A check of mode reproject, or another part of it, by the name that --reproject-without takes.
@@ -96,7 +109,7 @@ void add_view_options(CLI::App& app, ViewOptions& view, bool with_mode) {
             ->transform(CLI::CheckedTransformer(mode_names(), CLI::ignore_case).description(""));
     app.add_option("--budget-ms", settings.budget_ms,
                    "Keep frames within this time by giving up accuracy; 0: exact frames")
-        ->check(CLI::Range(0.0, 1e5));
+        ->check(number_in(0.0, 1e5));
     app.add_option(
            "--when-late", settings.when_late,
            "What gives where the budget is short: coarser (the picture is drawn smaller) or stale (old texels of "
@@ -106,15 +119,15 @@ void add_view_options(CLI::App& app, ViewOptions& view, bool with_mode) {
         ->transform(CLI::CheckedTransformer(kCasters, CLI::ignore_case).description(""));
     app.add_option("--near-m", settings.fixed_near_m,
                    "Near distance in metres instead of the controller's choice; 0: no near field")
-        ->check(CLI::Range(0.0, 1e6));
+        ->check(number_in(0.0, 1e6));
     app.add_option("--max-parallax-px", settings.max_parallax_px,
                    "A panorama texel is reused up to this predicted parallax")
-        ->check(CLI::Range(0.0, 16.0));
+        ->check(number_in(0.0, 16.0));
     app.add_option("--prelit-beyond-m", settings.prelit_beyond_m, "Beyond this depth triangles have one prelit colour")
-        ->check(CLI::Range(0.0, 1e9));
+        ->check(number_in(0.0, 1e9));
     app.add_option("--blend-within-m", settings.blend_within_m,
                    "Blended surfaces nearer than this are sorted per pixel, farther ones shown by coverage; 0: all")
-        ->check(CLI::Range(0.0, 1e6));
+        ->check(number_in(0.0, 1e6));
     app.add_option("--opacity", settings.opacity, "Opacity buffer: auto, software or readback")
         ->transform(CLI::CheckedTransformer(kOpacityKinds, CLI::ignore_case).description(""));
     add_reproject_options(app, settings);
@@ -123,10 +136,10 @@ void add_view_options(CLI::App& app, ViewOptions& view, bool with_mode) {
     app.add_flag("--no-horizon{false}", settings.use_horizon, "Cast sky pixels like all others");
     app.add_option("--max-error-px", view.max_error_px,
                    "Take the fastest settings that 'ff accuracy' measured to be off by so many pixels at most")
-        ->check(CLI::Range(0.0, 1e3));
+        ->check(number_in(0.0, 1e3));
     app.add_option("--min-psnr", view.min_psnr_db,
                    "Likewise: with at least so many dB against exact frames, in the worst frame")
-        ->check(CLI::Range(0.0, 99.0));
+        ->check(number_in(0.0, 99.0));
     app.add_flag("--deterministic", settings.deterministic, "Decide from recorded costs instead of measured ones");
 }
 
@@ -186,6 +199,13 @@ int run(int argc, const char* const* argv) {
     bench_app->add_option("--frames", bench.max_frames, "Only the first N frames of the walk; 0: all")
         ->check(CLI::Range(0, 1000000));
 
+    HardcasesOptions hardcases;
+    auto* hardcases_app = app.add_subcommand("hardcases", "Run the hard cases against their oracles and print a table");
+    hardcases_app->add_option("--case", hardcases.name, "Only this case, or those of a group: its name up to the dot");
+    hardcases_app->add_option("--instances", hardcases.instances, "Instances of each case; 0: those of a full run");
+    hardcases_app->add_option("--seed", hardcases.seed, "Seed of the random instances")->capture_default_str();
+    hardcases_app->add_flag("--json", hardcases.json, "Print one JSON object on stdout");
+
     AccuracyOptions accuracy;
     auto* accuracy_app = app.add_subcommand(
         "accuracy", "Measure what each approximation costs in time and in error, as a page and JSON");
@@ -213,6 +233,7 @@ int run(int argc, const char* const* argv) {
     if (*render_app) status = with_workers(render.view.threads, [&] { return run_render(render); });
     if (*walk_app) status = with_workers(walk.view.threads, [&] { return run_walk(walk); });
     if (*bench_app) status = with_workers(bench.view.threads, [&] { return run_bench(bench); });
+    if (*hardcases_app) status = run_hardcases(hardcases);
     if (*accuracy_app) status = with_workers(accuracy.view.threads, [&] { return run_accuracy(accuracy); });
     if (status) return 0;
     log_line("ff: error: ", status.error().message);

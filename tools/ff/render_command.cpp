@@ -26,6 +26,7 @@ Status run_render(const RenderOptions& options) {
         renderer->draw(session->walk().camera(f), session->dynamic(), session->settings(), image);
     const frame::FrameStats& stats =
         renderer->draw(session->walk().camera(last), session->dynamic(), session->settings(), image);
+    FF_TRY(renderer->refusal());
     log_info("frame {} in {:.1f} ms: {} pixels near, {} sky, {} panorama, {} cast and hit, {} cast and missed",
              options.frame, stats.frame_ms, stats.pixels.near_field, stats.pixels.sky, stats.pixels.panorama,
              stats.pixels.cast_hit, stats.pixels.cast_miss);
