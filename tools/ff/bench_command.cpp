@@ -44,9 +44,12 @@ void measure_errors(Session& session, std::vector<ModeRun>& runs, const ImageSiz
             full_reference->draw(camera, session.dynamic(), settings, full_image);
         }
         for (ModeRun& run : runs) {
-            run.renderer->draw(camera, session.dynamic(), run.settings, image);
+            frame::FrameSettings with_ids = run.settings;
+            with_ids.keep_ids = true;
+            run.renderer->draw(camera, session.dynamic(), with_ids, image);
             run.error.add(int(f), image, reference_image);
-            if (frame::knows_primitives(run.settings.mode))
+            const bool draws_all = run.settings.budget_ms <= 0.0 && run.settings.resolution >= 1.0f;
+            if (frame::knows_primitives(run.settings.mode) || (run.settings.mode == frame::Mode::hybrid && draws_all))
                 run.error.add_primitives(run.renderer->history().visibility, reference->history().visibility);
             if (is_prelit) run.full_error.add(int(f), image, full_image);
             progress.advance();
