@@ -47,15 +47,17 @@ double score(const Outlook& outlook, const CostModel& costs, double budget_ms, W
 
 }  // namespace
 
-void Governor::choose_resolution(double rays, double needed) {
+void Governor::choose_resolution(double rays, double upscale_rays, double needed) {
     const auto affords = [&](std::size_t i, double room) {
-        return room * kResolutions[i] * kResolutions[i] * needed <= rays;
+        return room * kResolutions[i] * kResolutions[i] * needed <= rays - (i > 0 ? upscale_rays : 0.0);
     };
     while (resolution_index_ + 1 < kResolutions.size() && !affords(resolution_index_, 1.0)) ++resolution_index_;
-    const bool finer = resolution_index_ > 0 && affords(resolution_index_ - 1, kFinerRoom);
+    // The whole picture needs no enlarging: it may fit where one a little smaller does not.
+    const bool whole = resolution_index_ > 0 && affords(0, kFinerRoom);
+    const bool finer = whole || (resolution_index_ > 0 && affords(resolution_index_ - 1, kFinerRoom));
     finer_votes_ = finer ? finer_votes_ + 1 : 0;
     if (finer_votes_ < kPatience) return;
-    --resolution_index_;
+    resolution_index_ = whole ? 0 : resolution_index_ - 1;
     finer_votes_ = 0;
 }
 
@@ -75,9 +77,10 @@ Choice Governor::choose(const Outlook& outlook, const CostModel& costs, double b
 
     // Panorama: a lookup of everything left over must save more casting and shading than it costs.
     const double candidates = left_over_pixels(outlook, near_index_);
-    const double saved_ms = (costs.cast_ray.ms_for(1) + costs.shade_pixel.ms_for(1)) * outlook.reusable_pixels;
-    const double spent_ms =
-        costs.lookup_pixel.ms_for(candidates) + costs.store_pixel.ms_for(candidates - outlook.reusable_pixels);
+    // The near field may cover what could be reused.
+    const double reusable = std::min(outlook.reusable_pixels, candidates);
+    const double saved_ms = (costs.cast_ray.ms_for(1) + costs.shade_pixel.ms_for(1)) * reusable;
+    const double spent_ms = costs.lookup_pixel.ms_for(candidates) + costs.store_pixel.ms_for(candidates - reusable);
     const bool pays = look_up_ ? saved_ms > spent_ms : saved_ms > (1.0 + kSwitchGain) * spent_ms;
     look_up_votes_ = pays != look_up_ ? look_up_votes_ + 1 : 0;
     if (look_up_votes_ >= kPatience) {
@@ -89,8 +92,7 @@ Choice Governor::choose(const Outlook& outlook, const CostModel& costs, double b
     choice.near_m = kNearDistances[near_index_];
     choice.look_up_panorama = look_up_;
     double fixed = fixed_ms(outlook, costs, near_index_, keep_old || look_up_);
-    if (resolution_index_ > 0) fixed += costs.upscale_pixel.ms_for(outlook.pixels);
-    double rays = candidates - (look_up_ ? outlook.reusable_pixels : 0.0);
+    double rays = candidates - (look_up_ ? reusable : 0.0);
     if (budget_ms > 0.0) {
         const double affordable = std::max(kMinRayShare * outlook.pixels, (kAim * budget_ms - fixed) / ray_ms(costs));
         ray_budget_ =
@@ -103,8 +105,14 @@ Choice Governor::choose(const Outlook& outlook, const CostModel& costs, double b
             if (ray_budget_ < rays) choice.look_up_panorama = true;  // what is not cast must come from somewhere
             rays = std::min(rays, ray_budget_);
         } else {
-            choose_resolution(ray_budget_, candidates);
+            const double upscale_ms = costs.upscale_pixel.ms_for(outlook.pixels);
+            const double upscale_rays = upscale_ms / std::max(1e-12, ray_ms(costs));
+            choose_resolution(ray_budget_, upscale_rays, candidates);
             choice.resolution = kResolutions[resolution_index_];
+            if (resolution_index_ > 0) {
+                fixed += upscale_ms;
+                choice.affordable_rays = std::max(kMinRayShare * outlook.pixels, ray_budget_ - upscale_rays);
+            }
             rays = choice.resolution * choice.resolution * candidates;
         }
     } else {

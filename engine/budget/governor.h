@@ -61,7 +61,8 @@ class Governor {
 
   private:
     /// Holds or changes the resolution for so many rays where `needed` would be the whole picture.
-    void choose_resolution(double rays, double needed);
+    /// @param upscale_rays  that enlarging a smaller picture costs
+    void choose_resolution(double rays, double upscale_rays, double needed);
 
     std::size_t near_index_ = 0;
     std::size_t resolution_index_ = 0;

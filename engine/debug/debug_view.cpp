@@ -34,6 +34,13 @@ std::uint32_t tinted(std::uint32_t color, std::uint32_t shaded) {
     return rgb(mixed(0), mixed(8), mixed(16));
 }
 
+/// Blue, green, yellow, red at 0, 1/3, 2/3, 1.
+std::uint32_t ramp(float share) {
+    const float t = std::min(share, 1.0f) * 3.0f;
+    const auto level = [](float v) { return std::uint32_t(255.0f * std::clamp(v, 0.0f, 1.0f)); };
+    return rgb(level(t - 1.0f), level(t < 2.0f ? t : 3.0f - t), level(1.0f - t));
+}
+
 void fit(shading::Image& image, int width, int height) {
     if (image.width != width || image.height != height) image.resize(width, height);
 }
@@ -61,6 +68,47 @@ void paint_sources(std::span<const PixelSource> sources, int width, int height, 
     }
 }
 
+void paint_causes(std::span<const farfield::PixelCause> causes, int width, int height, int stride,
+                  shading::Image& out) {
+    FF_CHECK(causes.size() >= std::size_t(stride) * std::size_t(height), "{} codes for {} rows of {}", causes.size(),
+             height, stride);
+    fit(out, width, height);
+    const auto color_of = [](farfield::PixelCause cause) {
+        switch (cause) {
+            case farfield::PixelCause::verified:
+                return rgb(220, 30, 30);
+            case farfield::PixelCause::background:
+                return rgb(0, 0, 0);
+            case farfield::PixelCause::failed:
+                return rgb(0, 200, 0);
+            case farfield::PixelCause::resampled:
+                return rgb(255, 255, 255);
+            case farfield::PixelCause::abrupt:
+                return rgb(40, 80, 255);
+        }
+        return kUnknown;
+    };
+    for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x)
+            out.pixels[std::size_t(y) * std::size_t(out.stride) + std::size_t(x)] =
+                color_of(causes[std::size_t(y) * std::size_t(stride) + std::size_t(x)]);
+}
+
+void paint_tile_work(std::span<const std::uint64_t> work, int width, int height, shading::Image& out) {
+    constexpr int kTile = farfield::kTileSize;
+    const int tiles_x = (width + kTile - 1) / kTile, tiles_y = (height + kTile - 1) / kTile;
+    FF_CHECK(work.size() >= std::size_t(tiles_x) * std::size_t(tiles_y), "{} tiles for {} x {}", work.size(), tiles_x,
+             tiles_y);
+    fit(out, width, height);
+    const std::uint64_t most =
+        std::max<std::uint64_t>(1, work.empty() ? 1 : *std::max_element(work.begin(), work.end()));
+    for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x) {
+            const std::uint64_t own = work[std::size_t(y / kTile) * std::size_t(tiles_x) + std::size_t(x / kTile)];
+            out.pixels[std::size_t(y) * std::size_t(out.stride) + std::size_t(x)] = ramp(float(own) / float(most));
+        }
+}
+
 void paint_ages(std::span<const std::uint16_t> ages, int width, int height, int stride, std::uint16_t max_age,
                 shading::Image& out) {
     FF_CHECK(ages.size() >= std::size_t(stride) * std::size_t(height), "{} ages for {} rows of {}", ages.size(), height,
@@ -68,10 +116,7 @@ void paint_ages(std::span<const std::uint16_t> ages, int width, int height, int 
     fit(out, width, height);
     const auto color_of = [&](std::uint16_t age) {
         if (age == kNoAge) return rgb(0, 0, 0);
-        // Blue, green, yellow, red at 0, 1/3, 2/3, 1.
-        const float t = std::min(float(age) / float(std::max<std::uint16_t>(max_age, 1)), 1.0f) * 3.0f;
-        const auto level = [](float v) { return std::uint32_t(255.0f * std::clamp(v, 0.0f, 1.0f)); };
-        return rgb(level(t - 1.0f), level(t < 2.0f ? t : 3.0f - t), level(1.0f - t));
+        return ramp(float(age) / float(std::max<std::uint16_t>(max_age, 1)));
     };
     for (int y = 0; y < height; ++y)
         for (int x = 0; x < width; ++x)

@@ -5,6 +5,7 @@
 #include <span>
 #include <string_view>
 
+#include "engine/farfield/reproject.h"
 #include "engine/shading/shading_pass.h"
 
 namespace ff::debug {
@@ -34,6 +35,16 @@ struct SourceColor {
 /// @param sources  [height * stride], rows as in Image::pixels; codes beyond the enum are magenta
 void paint_sources(std::span<const PixelSource> sources, int width, int height, int stride, shading::Image& out,
                    const shading::Image* shaded = nullptr);
+
+/// Paints the pixels of a reprojected frame in the colours of P3 Figure 6: red verified by one intersection, green cast
+/// because that failed, white resampled, blue abrupt; background, which P3 does not show, is black.
+/// @param causes  [height * stride]
+void paint_causes(std::span<const farfield::PixelCause> causes, int width, int height, int stride, shading::Image& out);
+
+/// Paints whole tiles of 16 x 16 pixels by the work that they took: blue for none, over green and yellow, to red for
+/// the most.
+/// @param work  row-major, of the tiles that cover the image
+void paint_tile_work(std::span<const std::uint64_t> work, int width, int height, shading::Image& out);
 
 /// Paints ages: new texels blue, over green and yellow, to red at max_age frames and beyond; kNoAge black.
 inline constexpr std::uint16_t kNoAge = 0xFFFF;

@@ -5,7 +5,11 @@
 //           footprint on the triangle, but of no mip with less than 64 texels: those cannot hold a coverage any more
 //           (one texel is all or nothing), and distant trees would lose all leaves at once
 //   masked:  opaque where alpha >= cutoff
-//   blended: opaque where alpha >= a threshold hashed from (instance, triangle, texel), so that coverage is right on
+//   blended, nearer to the eye than PinholeView::blend_within_m:
+//            opaque where it is solid, alpha being 1 in all four texels around; elsewhere not there at all, being a
+//            transparent layer (layer_finder.h)
+//   blended, farther away:
+//            opaque where alpha >= a threshold hashed from (instance, triangle, texel), so that coverage is right on
 //            average and nothing flickers (Wyman, McGuire, "Hashed Alpha Testing", I3D 2017)
 
 #include <algorithm>
@@ -64,10 +68,41 @@ struct AlphaSurface {
     return float((h >> 8) + 1u) * (1.0f / 16777216.0f);  // (0, 1]
 }
 
+/// Alphas nearer to 0 or 1 than this, half a step of 8 bits, are 0 or 1.
+inline constexpr float kAlphaStep = 0.5f / 255.0f;
+
+/// Whether a blended surface hides what is behind it, filtered or not. Any float is answered.
+[[nodiscard]] inline bool is_solid_at(const AlphaSurface& surface, float b1, float b2, float footprint_m) {
+    const float b0 = 1.0f - b1 - b2;
+    const float factor = surface.alpha[0] * b0 + surface.alpha[1] * b1 + surface.alpha[2] * b2;
+    if (!(factor > 1.0f - kAlphaStep)) return false;
+    if (surface.texture == nullptr) return true;
+    const scene::Texture& texture = *surface.texture;
+    const Vec2 uv = surface.uv[0] * b0 + surface.uv[1] * b1 + surface.uv[2] * b2;
+    const std::uint32_t level = alpha_level(surface, footprint_m);
+    const std::uint32_t width = std::max(1u, texture.width >> level), height = std::max(1u, texture.height >> level);
+    const scene::TexelPair x = scene::texels_around(uv.x, width, texture.wrap_u);
+    const scene::TexelPair y = scene::texels_around(uv.y, height, texture.wrap_v);
+    const std::uint32_t* first = surface.texels + scene::level_offset(texture, level);
+    const std::uint32_t *upper = first + std::size_t(y.first) * width, *lower = first + std::size_t(y.second) * width;
+    return ((upper[x.first] & upper[x.second] & lower[x.first] & lower[x.second]) >> 24) == 255u;
+}
+
+/// Whether a hit belongs to a transparent layer, unless it is solid. A distance, not a depth along the view axis: it
+/// does not change as the viewer turns, so that panoramas may hold what lies beyond.
+/// @param distance_m  from the eye to the hit
+/// @param within_m    PinholeView::blend_within_m
+[[nodiscard]] inline bool is_in_layer(const AlphaSurface& surface, float distance_m, float within_m) {
+    return surface.is_blended && distance_m < within_m;
+}
+
 /// Whether the point with barycentrics (1 - b1 - b2, b1, b2) is there. Any float is answered.
 /// @param footprint_m  width of the ray at the hit, metres: depth * PinholeView::pixel_angle(); 0 for a bare ray.
-[[nodiscard]] inline bool is_opaque_at(const AlphaSurface& surface, float b1, float b2, float footprint_m) {
+/// @param in_layer     is_in_layer() of the hit
+[[nodiscard]] inline bool is_opaque_at(const AlphaSurface& surface, float b1, float b2, float footprint_m,
+                                       bool in_layer = false) {
     if (!surface.is_see_through) return true;
+    if (in_layer) return is_solid_at(surface, b1, b2, footprint_m);
     const float b0 = 1.0f - b1 - b2;
     float alpha = surface.alpha[0] * b0 + surface.alpha[1] * b1 + surface.alpha[2] * b2;
     std::uint32_t x, y;

@@ -5,6 +5,7 @@
 #include "engine/core/check.h"
 #include "engine/core/jobs.h"
 #include "engine/farfield/cast_cost_sum.h"
+#include "engine/farfield/float_ray.h"
 
 namespace ff::farfield {
 namespace beam {
@@ -14,6 +15,16 @@ BeamView::BeamView(const PinholeView& pinhole)
       camera_from_world(glm::transpose(DMat3(pinhole.world_from_camera))),
       pixel_angle(pinhole.pixel_angle()) {}
 
+AlphaRays BeamView::alpha_rays(int x, int y) const {
+    constexpr float kMiddle = 0.5f * kBeamSize;
+    return {.pixel_angle = pixel_angle,
+            .u_step = view.u_step,
+            .u_middle = (float(x) + kMiddle) * view.u_step + view.u_first,
+            .v_step = view.v_step,
+            .v_middle = (float(y) + kMiddle) * view.v_step + view.v_first,
+            .blend_within_m = view.blend_within_m};
+}
+
 DMat3 BeamView::tile_from_world(int x, int y) const {
     // u = (px + 0.5) u_step + u_first, px = X + x + 15.5; the view axis is -z.
     const double scale_x = 1.0 / double(view.u_step), scale_y = 1.0 / double(view.v_step);
@@ -21,6 +32,13 @@ DMat3 BeamView::tile_from_world(int x, int y) const {
     const double offset_y = -double(view.v_first) * scale_y - 0.5 * kBeamSize - y;
     const DMat3 tile_from_camera(DVec3(scale_x, 0, 0), DVec3(0, scale_y, 0), DVec3(-offset_x, -offset_y, -1));
     return tile_from_camera * camera_from_world;
+}
+
+BeamRequest beam_request_of(const TileRequest& tile) {
+    const auto first_of = [](std::uint16_t pixel) { return std::uint16_t(pixel / kBeamSize * kBeamSize); };
+    BeamRequest request{first_of(tile.x), first_of(tile.y), {}};
+    request.quarters[std::size_t(tile.y / kTileSize % 2 * 2 + tile.x / kTileSize % 2)] = &tile;
+    return request;
 }
 
 std::span<const BeamRequest> BeamRequests::gather(const PinholeView& view, std::span<const TileRequest> tiles) {
@@ -33,8 +51,7 @@ std::span<const BeamRequest> BeamRequests::gather(const PinholeView& view, std::
         std::uint32_t& of_square = of_square_[tile.y / kBeamSize * columns + tile.x / kBeamSize];
         const std::size_t quarter = std::size_t(tile.y / kTileSize % 2 * 2 + tile.x / kTileSize % 2);
         if (of_square == 0 || requests_[of_square - 1].quarters[quarter] != nullptr) {
-            const auto first_of = [](std::uint16_t pixel) { return std::uint16_t(pixel / kBeamSize * kBeamSize); };
-            requests_.push_back({first_of(tile.x), first_of(tile.y), {}});
+            requests_.push_back(beam_request_of(tile));
             of_square = std::uint32_t(requests_.size());
         }
         requests_[of_square - 1].quarters[quarter] = &tile;
@@ -69,7 +86,9 @@ class BeamCaster final : public RayCaster {
         CastCostSum shared;
         parallel_ranges(rays.size(), 64, [&](std::size_t begin, std::size_t end) {
             CastCost cost;
-            for (std::size_t i = begin; i < end; ++i) hits[i] = beam::cast_ray(scene_, rays[i], cost);
+            for (std::size_t i = begin; i < end; ++i)
+                hits[i] = cast_float_ray(scene_.bounds, rays[i],
+                                         [&](const Ray& ray) { return beam::cast_ray(scene_, ray, cost); });
             shared.add(cost);
         });
         return shared.total();

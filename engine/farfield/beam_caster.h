@@ -16,10 +16,21 @@ namespace ff::farfield::beam {
 /// A beam serves a square of so many pixels a side, up to four requests: twice the side costs a walk little more.
 constexpr int kBeamSize = 2 * kTileSize;
 
+/// The rays of a square as the alpha test needs them: that of (X, Y) in tile space has the direction (u, v, -1) in
+/// camera space, u = X u_step + u_middle, v likewise.
+struct AlphaRays {
+    float pixel_angle = 0.0f;
+    float u_step = 0, u_middle = 0, v_step = 0, v_middle = 0;
+    float blend_within_m = 0.0f;  ///< as in PinholeView
+};
+
 /// A pinhole view as the beams need it. Tile space: X, Y in pixels from the middle of a square of kBeamSize, right and
 /// down, so that pixel centres stand at -15.5 .. 15.5; W along the view axis in metres; points as (X W, Y W, W).
 struct BeamView {
     explicit BeamView(const PinholeView& pinhole);
+
+    /// What the square whose first pixel is (x, y) tells see-through surfaces about its rays.
+    [[nodiscard]] AlphaRays alpha_rays(int x, int y) const;
 
     /// Homogeneous tile space from world directions, for the square whose first pixel is (x, y).
     [[nodiscard]] DMat3 tile_from_world(int x, int y) const;
@@ -35,6 +46,9 @@ struct BeamRequest {
     std::uint16_t x = 0, y = 0;
     std::array<const TileRequest*, 4> quarters{};
 };
+
+/// A request by itself.
+[[nodiscard]] BeamRequest beam_request_of(const TileRequest& tile);
 
 /// Puts requests together; keeps its memory from call to call.
 class BeamRequests {

@@ -28,7 +28,7 @@ HWY_INLINE void prefetch_materials(const scene::StaticScene& scene, const BvhLea
 }
 
 HWY_NOINLINE void draw_leaf(const scene::StaticScene& scene, const BvhLeaf& leaf, std::uint32_t instance,
-                            const Linear (&xyw)[3], float pixel_angle, Tile& tile) {
+                            const Linear (&xyw)[3], const AlphaRays& rays, Tile& tile) {
     if (leaf.alpha_triangles != 0) prefetch_materials(scene, leaf, instance);
     LeafScratch s;
     const bool projected = transform_vertices(leaf, xyw, s);
@@ -45,7 +45,7 @@ HWY_NOINLINE void draw_leaf(const scene::StaticScene& scene, const BvhLeaf& leaf
         const int i = std::countr_zero(bits);
         const std::uint32_t triangle = leaf.first_triangle + std::uint32_t(i);
         if (HWY_UNLIKELY((leaf.alpha_triangles >> i) & 1)) {
-            AlphaDraw alpha{scene, instance, triangle, pixel_angle, leaf, i, {}};
+            AlphaDraw alpha{scene, instance, triangle, rays, leaf, i, {}};
             draw<true>(s, i, instance, triangle, tile, &alpha);
         } else {
             draw<false>(s, i, instance, triangle, tile, nullptr);
@@ -63,6 +63,7 @@ void CastTile(const scene::StaticScene& scene, const BeamView& view, const BeamR
     if (!begin_tile(view.view, request, rows, tile)) return;
     for (const std::uint32_t row : rows) cost.rays += std::uint64_t(std::popcount(row));
 
+    const AlphaRays rays = view.alpha_rays(request.x, request.y);
     const DMat3 tile_from_world = view.tile_from_world(request.x, request.y);
     const auto linears = [&](Linear(&xyw)[3], const DMat3& world_from_space, const WorldPos& origin) {
         const DVec3 offset = origin - view.view.position;
@@ -87,7 +88,7 @@ void CastTile(const scene::StaticScene& scene, const BeamView& view, const BeamR
             },
             [&](std::uint32_t leaf) {
                 cost.triangles += leaves[leaf].triangle_count;
-                draw_leaf(scene, leaves[leaf], id, xyw, view.pixel_angle, tile);
+                draw_leaf(scene, leaves[leaf], id, xyw, rays, tile);
             });
     };
     if (!scene.instance_nodes.empty()) {

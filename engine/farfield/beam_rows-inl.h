@@ -25,7 +25,7 @@ namespace {
 struct AlphaDraw {
     const scene::StaticScene& scene;
     std::uint32_t instance, triangle;
-    float pixel_angle;
+    const AlphaRays& rays;
     const BvhLeaf& leaf;  // whose i-th triangle it is
     int i;
     std::optional<AlphaSurface> surface;  // not touched until then: it is large
@@ -43,6 +43,40 @@ HWY_INLINE VI texel_of(VF coordinate, std::uint32_t size, scene::Wrap wrap) {
     return hn::ConvertTo(si, hn::Min(texel, hn::Set(f, float(size - 1))));
 }
 
+// texels_around() of scene/texel_address.h.
+struct Taps {
+    VI first, second;
+    VF weight;
+};
+HWY_INLINE Taps taps_along(VF coordinate, std::int32_t size, scene::Wrap wrap) {
+    VF c = coordinate;
+    if (wrap == scene::Wrap::repeat) {
+        c = hn::Sub(c, hn::Floor(c));
+    } else if (wrap == scene::Wrap::mirror) {
+        c = hn::Sub(c, hn::Mul(hn::Set(f, 2.0f), hn::Floor(hn::Mul(hn::Set(f, 0.5f), c))));
+    } else {  // not-a-number becomes 0
+        c = hn::Min(hn::Max(c, hn::Zero(f)), hn::Set(f, 1.0f));
+    }
+    const VF at = hn::MulSub(c, hn::Set(f, float(size)), hn::Set(f, 0.5f));
+    const VF below = hn::Floor(at);
+    const VI texel = hn::ConvertTo(si, below);
+    const auto wrapped = [&](VI i) HWY_ATTR {
+        const VI last = hn::Set(si, size - 1);
+        if (wrap == scene::Wrap::repeat) return hn::And(i, last);
+        if (wrap == scene::Wrap::mirror) {
+            const VI phase = hn::And(i, hn::Set(si, 2 * size - 1));
+            return hn::Min(phase, hn::Sub(hn::Set(si, 2 * size - 1), phase));
+        }
+        return hn::Min(hn::Max(i, hn::Zero(si)), last);
+    };
+    return {wrapped(texel), wrapped(hn::Add(texel, hn::Set(si, 1))), hn::Sub(at, below)};
+}
+
+HWY_INLINE VF alpha_of(const std::uint32_t* level, VI index) {
+    const VI texel = hn::GatherIndex(si, reinterpret_cast<const std::int32_t*>(level), index);
+    return hn::ConvertTo(f, hn::BitCast(si, hn::ShiftRight<24>(hn::BitCast(ui, texel))));
+}
+
 HWY_INLINE VF threshold_of(std::uint32_t seed, VI x, VI y) {
     auto h = hn::Xor(hn::Set(ui, seed), hn::Xor(hn::Mul(hn::BitCast(ui, x), hn::Set(ui, 0x9E3779B1u)),
                                                 hn::Mul(hn::BitCast(ui, y), hn::Set(ui, 0x85EBCA77u))));
@@ -53,9 +87,34 @@ HWY_INLINE VF threshold_of(std::uint32_t seed, VI x, VI y) {
     return hn::Mul(hn::ConvertTo(f, k), hn::Set(f, 1.0f / 16777216.0f));
 }
 
+// Whether the four texels around a point have an alpha of 1.
+HWY_INLINE MF all_four_filled(const std::uint32_t* texels, std::int32_t width, VF u, VF v,
+                              const scene::Texture& texture, std::int32_t level) {
+    const Taps x = taps_along(u, width, texture.wrap_u);
+    const Taps y = taps_along(v, std::int32_t(std::max(1u, texture.height >> level)), texture.wrap_v);
+    const VI upper = hn::Mul(y.first, hn::Set(si, width)), lower = hn::Mul(y.second, hn::Set(si, width));
+    const VF above = hn::Min(alpha_of(texels, hn::Add(upper, x.first)), alpha_of(texels, hn::Add(upper, x.second)));
+    const VF below = hn::Min(alpha_of(texels, hn::Add(lower, x.first)), alpha_of(texels, hn::Add(lower, x.second)));
+    return hn::Eq(hn::Min(above, below), hn::Set(f, 255.0f));
+}
+
+// Squared ratio of distance to depth of the pixels at (x, y).
+HWY_INLINE VF squared_length(const AlphaRays& rays, VF x, VF y) {
+    const VF u = hn::MulAdd(x, hn::Set(f, rays.u_step), hn::Set(f, rays.u_middle));
+    const VF v = hn::MulAdd(y, hn::Set(f, rays.v_step), hn::Set(f, rays.v_middle));
+    return hn::MulAdd(u, u, hn::MulAdd(v, v, hn::Set(f, 1.0f)));
+}
+
+// is_in_layer() of alpha_test.h for blended hits.
+HWY_INLINE MF lanes_in_layer(const AlphaRays& rays, VF x, VF y, VF inverse_depth) {
+    const VF within = hn::Mul(inverse_depth, hn::Set(f, rays.blend_within_m));
+    return hn::Lt(squared_length(rays, x, y), hn::Mul(within, within));
+}
+
 // Switches off the lanes of `win` whose point is see-through: is_opaque_at() of alpha_test.h, operation by operation,
-// for a register of pixels. e: their edge functions.
-HWY_NOINLINE MF opaque_lanes(MF win, AlphaDraw& draw, const LeafScratch& s, int i, const VF (&e)[3], VF inverse_depth) {
+// for a register of pixels. x_at, y_at: the pixels; e: their edge functions.
+HWY_NOINLINE MF opaque_lanes(MF win, AlphaDraw& draw, const LeafScratch& s, int i, VF x_at, VF y_at, const VF (&e)[3],
+                             VF inverse_depth) {
     if (!draw.surface) {
         const scene::Instance& instance = draw.scene.instances[draw.instance];
         Vec3 corners[3];
@@ -67,16 +126,26 @@ HWY_NOINLINE MF opaque_lanes(MF win, AlphaDraw& draw, const LeafScratch& s, int 
     }
     const AlphaSurface& surface = *draw.surface;
     if (!surface.is_see_through) return win;
+    MF in_layer = hn::MaskFromVec(hn::Zero(f)), solid = win;
+    if (surface.is_blended && draw.rays.blend_within_m > 0.0f) {
+        in_layer = hn::And(win, lanes_in_layer(draw.rays, x_at, y_at, inverse_depth));
+        if (std::max({surface.alpha[0], surface.alpha[1], surface.alpha[2]}) <= 1.0f - kAlphaStep) {  // as most glass
+            win = hn::AndNot(in_layer, win);
+            in_layer = hn::MaskFromVec(hn::Zero(f));
+        }
+        if (hn::AllFalse(f, win)) return win;
+    }
     const VF w0 = hn::Mul(e[0], hn::Set(f, s.weight[0][i])), w1 = hn::Mul(e[1], hn::Set(f, s.weight[1][i]));
     const VF w2 = hn::Mul(e[2], hn::Set(f, s.weight[2][i]));
     const VF inverse_sum = hn::Div(hn::Set(f, 1.0f), hn::Add(w0, hn::Add(w1, w2)));
     const VF b1 = hn::Mul(w1, inverse_sum), b2 = hn::Mul(w2, inverse_sum);
     const VF b0 = hn::Sub(hn::Sub(hn::Set(f, 1.0f), b1), b2);
-    const VF footprint = hn::Div(hn::Set(f, draw.pixel_angle), inverse_depth);
+    const VF footprint = hn::Div(hn::Set(f, draw.rays.pixel_angle), inverse_depth);
     const auto mix = [&](float v0, float v1, float v2) {
         return hn::Add(hn::Add(hn::Mul(hn::Set(f, v0), b0), hn::Mul(hn::Set(f, v1), b1)), hn::Mul(hn::Set(f, v2), b2));
     };
     VF alpha = mix(surface.alpha[0], surface.alpha[1], surface.alpha[2]);
+    solid = hn::Gt(alpha, hn::Set(f, 1.0f - kAlphaStep));
     VI x, y;
     if (surface.texture != nullptr) {
         const scene::Texture& texture = *surface.texture;
@@ -102,6 +171,10 @@ HWY_NOINLINE MF opaque_lanes(MF win, AlphaDraw& draw, const LeafScratch& s, int 
             const VI texel = hn::GatherIndex(si, reinterpret_cast<const std::int32_t*>(first), index);
             const VF level_alpha = hn::ConvertTo(f, hn::BitCast(si, hn::ShiftRight<24>(hn::BitCast(ui, texel))));
             texture_alpha = hn::IfThenElse(here, level_alpha, texture_alpha);
+            if (HWY_UNLIKELY(!hn::AllFalse(f, hn::And(here, in_layer)))) {
+                const MF filled = all_four_filled(first, std::int32_t(width), u, v, texture, level);
+                solid = hn::And(solid, hn::Or(hn::Not(here), filled));
+            }
             x = hn::IfThenElse(hn::RebindMask(si, here), level_x, x);
             y = hn::IfThenElse(hn::RebindMask(si, here), level_y, y);
         }
@@ -111,19 +184,22 @@ HWY_NOINLINE MF opaque_lanes(MF win, AlphaDraw& draw, const LeafScratch& s, int 
         y = texel_of(b2, 64, scene::Wrap::clamp);
     }
     const VF threshold = surface.is_blended ? threshold_of(surface.seed, x, y) : hn::Set(f, surface.cutoff);
-    return hn::And(win, hn::Ge(alpha, threshold));
+    const MF opaque = hn::Ge(alpha, threshold);
+    return hn::And(win, hn::Or(hn::AndNot(in_layer, opaque), hn::And(in_layer, solid)));
 }
 
 // A triangle of a leaf that is set up, as a register of pixels wants it.
 struct Drawn {
     VF a[3], b[3], c[3];
     VF gx, gy, g0, low, high;
+    bool is_thin;
     HWY_INLINE Drawn(const LeafScratch& s, int i)
         : gx(hn::Set(f, s.gx[i])),
           gy(hn::Set(f, s.gy[i])),
           g0(hn::Set(f, s.g0[i])),
           low(hn::Set(f, s.low[i])),
-          high(hn::Set(f, s.high[i])) {
+          high(hn::Set(f, s.high[i])),
+          is_thin(s.thin[i] != 0.0f) {
         for (int k = 0; k < 3; ++k) {
             a[k] = hn::Set(f, s.a[k][i]);
             b[k] = hn::Set(f, s.b[k][i]);
@@ -150,6 +226,10 @@ HWY_INLINE bool draw_columns(const Drawn& d, int column, int y0, int y1, std::ui
         const VF best = hn::LoadU(f, tile.best + at);
         const MF inside = hn::Ge(min3(e[0], e[1], e[2]), hn::Zero(f));
         MF win = hn::And(inside, hn::Ge(inverse_depth, best));
+        if (HWY_UNLIKELY(d.is_thin)) {
+            const VF low_x = hn::Set(f, float(s.x0[i]) - kHalf), high_x = hn::Set(f, float(s.x1[i]) - kHalf);
+            win = hn::And(win, hn::And(hn::Ge(x, low_x), hn::Le(x, high_x)));
+        }
         // Half of the registers win something: to write back what was there is cheaper than to guess.
         if constexpr (kAlpha) {
             if (hn::AllFalse(f, win)) continue;
@@ -164,7 +244,7 @@ HWY_INLINE bool draw_columns(const Drawn& d, int column, int y0, int y1, std::ui
             win = hn::AndNot(hn::AndNot(hn::RebindMask(f, smaller), tie), win);
         }
         if constexpr (kAlpha) {
-            win = opaque_lanes(win, *alpha, s, i, e, inverse_depth);
+            win = opaque_lanes(win, *alpha, s, i, x, y, e, inverse_depth);
             if (hn::AllFalse(f, win)) continue;
         }
         hn::StoreU(hn::IfThenElse(win, inverse_depth, best), f, tile.best + at);

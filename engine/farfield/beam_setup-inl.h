@@ -34,6 +34,7 @@ struct alignas(64) LeafScratch {
     float gx[16], gy[16], g0[16];  // 1/depth as a plane over the tile
     float low[16], high[16];       // its range over the triangle
     float weight[3][16];           // edge function to (unnormalised) barycentric
+    float thin[16];                // not 0: hardly wider than the rounding of its edges
     std::int32_t x0[16], x1[16], y0[16], y1[16];
 };
 
@@ -151,7 +152,10 @@ HWY_INLINE VF farthest_under(VF x0, VF x1, VF y0, VF y1, const Tile& tile) {
 // @tparam kByDepth    those behind what the tile has are dropped.
 // @tparam kProjected  every vertex of the leaf can be projected.
 // @tparam kDirect     the leaf's vertices lie as registers need them.
-template <bool kByDepth, bool kProjected, bool kDirect>
+// @tparam kWidened    edge functions are stored widened by their rounding error; else as they are: those of an edge
+//                     that two triangles share are then exactly opposite, so that a pixel can be given to one of the
+//                     two.
+template <bool kByDepth, bool kProjected, bool kDirect, bool kWidened = true>
 HWY_NOINLINE std::uint32_t set_up(const BvhLeaf& leaf, int first, const Tile& tile, LeafScratch& s) {
     const int count = leaf.vertex_count;
     VI index[3];
@@ -279,6 +283,31 @@ HWY_NOINLINE std::uint32_t set_up(const BvhLeaf& leaf, int first, const Tile& ti
         g0 = hn::IfThenElse(all_usable, g0, blend(plain_c[0], plain_c[1], plain_c[2]));
     }
 
+    // A triangle no wider than its edges' rounding is a line: along it they say nothing of where it ends, nor does its
+    // plane of how far it is. Then its pixels are those of its bounds, and its depth is that of its longest edge.
+    const VF rounding = hn::Add(e[0].error, hn::Add(e[1].error, e[2].error));
+    const MF thin = hn::And(all_usable, hn::Lt(hn::Abs(area), hn::Mul(rounding, hn::Set(f, kThin))));
+    if (HWY_UNLIKELY(!hn::AllFalse(f, thin))) {
+        const VF bcx = hn::Sub(p[2].x, p[1].x), bcy = hn::Sub(p[2].y, p[1].y);
+        const auto squared = [](VF x, VF y) { return hn::MulAdd(x, x, hn::Mul(y, y)); };
+        const VF ab2 = squared(abx, aby), ac2 = squared(acx, acy), bc2 = squared(bcx, bcy);
+        const MF ac_longer = hn::Gt(ac2, ab2);
+        VF x = hn::IfThenElse(ac_longer, acx, abx), y = hn::IfThenElse(ac_longer, acy, aby);
+        VF rise = hn::IfThenElse(ac_longer, ac, ab), length2 = hn::Max(ac2, ab2);
+        const MF bc_longest = hn::Gt(bc2, length2);
+        x = hn::IfThenElse(bc_longest, bcx, x);
+        y = hn::IfThenElse(bc_longest, bcy, y);
+        rise = hn::IfThenElse(bc_longest, hn::Sub(p[2].iw, p[1].iw), rise);
+        length2 = hn::IfThenElse(bc_longest, bc2, length2);
+        const Corner& b = p[1];
+        const VF start_x = hn::IfThenElse(bc_longest, b.x, p[0].x), start_y = hn::IfThenElse(bc_longest, b.y, p[0].y);
+        const VF start = hn::IfThenElse(bc_longest, b.iw, p[0].iw);
+        const VF slope = hn::Div(rise, length2);
+        gx = hn::IfThenElse(thin, hn::Mul(slope, x), gx);
+        gy = hn::IfThenElse(thin, hn::Mul(slope, y), gy);
+        g0 = hn::IfThenElse(thin, hn::NegMulAdd(gx, start_x, hn::NegMulAdd(gy, start_y, start)), g0);
+    }
+    hn::Store(hn::IfThenElseZero(thin, hn::Set(f, 1.0f)), f, s.thin + first);
     if constexpr (kByDepth) {
         // Distant triangles have bounds of a pixel or two. Those are asked here, many triangles at once, with the very
         // operations of the rows: most win none.
@@ -302,7 +331,7 @@ HWY_NOINLINE std::uint32_t set_up(const BvhLeaf& leaf, int first, const Tile& ti
     for (int k = 0; k < 3; ++k) {
         hn::Store(e[k].a, f, s.a[k] + first);
         hn::Store(e[k].b, f, s.b[k] + first);
-        hn::Store(e[k].c, f, s.c[k] + first);
+        hn::Store(kWidened ? e[k].c : plain_c[k], f, s.c[k] + first);
         hn::Store(scale[k], f, s.weight[k] + first);
     }
     hn::Store(gx, f, s.gx + first);

@@ -45,6 +45,7 @@ constexpr float kBoundsMargin = 1e-3f;  // pixels by which a triangle's bounds a
 constexpr float kMinW = 1e-4f;          // metres; nearer vertices count as crossing the eye plane
 constexpr float kMaxProjected = 1024;   // pixels from the tile; vertices further out are not projected
 constexpr float kEdgeError = 4e-7f;     // rounding of an edge function, relative to its largest terms
+constexpr float kThin = 256.0f;         // of those errors: what is no wider counts as a line
 constexpr float kBoxError = 5e-7f;      // rounding of a plane at a box corner, likewise
 constexpr float kNearestInverse = 1e9f;
 constexpr float kFarther = 1.000001f;  // depths count as farther than others from this ratio on
@@ -151,6 +152,7 @@ HWY_INLINE bool begin_tile(const PinholeView& view, const BeamRequest& request, 
         for (int chunk = 0; chunk < kRowStride; chunk += kLanes) {
             const int at = row * kRowStride + chunk;
             hn::StoreU(hn::IfThenElse(pixels_of(rows[row], chunk), hn::Zero(f), hn::Set(f, kInf)), f, tile.best + at);
+            if (rows[row] == 0) continue;
             hn::StoreU(hn::Set(ui, kSkyInstance), ui, tile.instance + at);
             hn::StoreU(hn::Zero(ui), ui, tile.triangle + at);
         }

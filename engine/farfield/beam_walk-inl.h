@@ -200,10 +200,16 @@ HWY_INLINE void prefetch(const T* object) {
     for (std::size_t byte = 0; byte < sizeof(T); byte += 64) __builtin_prefetch(at + byte);
 }
 
+// Every child of every node, for walk().
+struct AllChildren {
+    constexpr std::uint32_t operator()(std::uint32_t) const { return 0xFFFFu; }
+};
+
 // Walks one hierarchy front to back; `on_leaf(leaf id)` may bring pixels nearer.
-template <class Prefetch, class OnLeaf>
+// @param children_of  which children of a node count, as bits
+template <class Prefetch, class OnLeaf, class ChildrenOf = AllChildren>
 HWY_INLINE void walk(const BvhNode* nodes, const Beam& beam, const Tile& tile, std::uint64_t& visited,
-                     Prefetch&& prefetch_child, OnLeaf&& on_leaf) {
+                     Prefetch&& prefetch_child, OnLeaf&& on_leaf, ChildrenOf&& children_of = {}) {
     const TileBounds bounds(tile);
     StackEntry stack[kStackEntries];
     int top = 0;
@@ -220,6 +226,7 @@ HWY_INLINE void walk(const BvhNode* nodes, const Beam& beam, const Tile& tile, s
         ++visited;
         Met met;
         children_in_beam(node, beam, bounds, tile.least(PixelRect{PixelRect::kWholeTile}.cells()), met);
+        met.all &= children_of(entry.child);
         if (top + scene::kBvhWidth > kStackEntries) continue;  // no tree of ours is that deep
         const int bottom = top;
         for (; met.all != 0; met.all &= met.all - 1) {

@@ -12,6 +12,7 @@
 #include "engine/core/stopwatch.h"
 #include "engine/farfield/embree_caster_alpha.h"
 #include "engine/farfield/embree_caster_packets.h"
+#include "engine/farfield/float_ray.h"
 #include "engine/farfield/tile_regroup.h"
 
 namespace ff::farfield {
@@ -213,9 +214,9 @@ CastCost EmbreeCaster::cast_rays(std::span<const Ray> rays, std::span<RayHit> hi
     parallel_ranges(rays.size(), kRaysPerTask, [&](std::size_t begin, std::size_t end) {
         embree::CastContext cast;
         rtcInitIntersectContext(&cast.context);
-        for (std::size_t i = begin; i < end; ++i) {
-            const Vec3 origin(rays[i].origin - origin_);
-            const Vec3& direction = rays[i].direction;
+        const auto cast_one = [&](const Ray& from) -> RayHit {
+            const Vec3 origin(from.origin - origin_);
+            const Vec3& direction = from.direction;
             RTCRayHit ray{};
             ray.ray.org_x = origin.x;
             ray.ray.org_y = origin.y;
@@ -230,8 +231,9 @@ CastCost EmbreeCaster::cast_rays(std::span<const Ray> rays, std::span<RayHit> hi
             const float sum = origin.x + origin.y + origin.z + direction.x + direction.y + direction.z;
             if (std::isfinite(sum)) rtcIntersect1(top_, &cast.context, &ray);
             const bool is_direct = ray.hit.instID[0] == RTC_INVALID_GEOMETRY_ID;
-            hits[i] = {is_direct ? ray.hit.geomID : ray.hit.instID[0], ray.hit.primID, ray.ray.tfar};
-        }
+            return {is_direct ? ray.hit.geomID : ray.hit.instID[0], ray.hit.primID, ray.ray.tfar};
+        };
+        for (std::size_t i = begin; i < end; ++i) hits[i] = cast_float_ray(scene_.bounds, rays[i], cast_one);
     });
     return {.rays = rays.size()};
 }

@@ -1,12 +1,14 @@
 #include "engine/farfield/embree_caster_alpha.h"
 
+#include <glm/geometric.hpp>
+
 #include "engine/farfield/alpha_test.h"
 
 namespace ff::farfield::embree {
 
 void filter_see_through(const RTCFilterFunctionNArguments* arguments) {
     const auto& scene = *static_cast<const scene::StaticScene*>(arguments->geometryUserPtr);
-    const float pixel_angle = reinterpret_cast<const CastContext*>(arguments->context)->pixel_angle;
+    const CastContext& cast = *reinterpret_cast<const CastContext*>(arguments->context);
     const unsigned count = arguments->N;
     // The lanes of a packet mostly hit the same triangle: it is looked up once.
     std::uint32_t last_instance = RTC_INVALID_GEOMETRY_ID, last_triangle = 0;
@@ -22,9 +24,18 @@ void filter_see_through(const RTCFilterFunctionNArguments* arguments) {
             last_instance = instance;
             last_triangle = triangle;
         }
-        const float footprint_m = pixel_angle * RTCRayN_tfar(arguments->ray, count, lane);
+        const float depth = RTCRayN_tfar(arguments->ray, count, lane);
+        const float footprint_m = cast.pixel_angle * depth;
+        bool in_layer = false;
+        if (cast.blend_within_m > 0.0f && surface.is_blended) {
+            // Instanced geometry gets the ray in its own space.
+            Vec3 direction(RTCRayN_dir_x(arguments->ray, count, lane), RTCRayN_dir_y(arguments->ray, count, lane),
+                           RTCRayN_dir_z(arguments->ray, count, lane));
+            if (placed != RTC_INVALID_GEOMETRY_ID) direction = scene.instances[instance].world_from_mesh * direction;
+            in_layer = is_in_layer(surface, depth * glm::length(direction), cast.blend_within_m);
+        }
         if (!is_opaque_at(surface, RTCHitN_u(arguments->hit, count, lane), RTCHitN_v(arguments->hit, count, lane),
-                          footprint_m))
+                          footprint_m, in_layer))
             arguments->valid[lane] = 0;
     }
 }

@@ -11,9 +11,11 @@ namespace ff::farfield::embree {
 struct CastContext {
     RTCIntersectContext context;  ///< first, so that Embree's pointer is ours
     float pixel_angle = 0.0f;     ///< width of a ray per length; 0 for bare rays
+    float blend_within_m = 0.0f;  ///< as in PinholeView; 0 for bare rays
 };
 
-/// RTCFilterFunctionN: switches off the lanes whose hit lies on a see-through texel (alpha_test.h). The geometry's
+/// RTCFilterFunctionN: switches off the lanes whose hit lies on a see-through texel or a
+/// transparent layer (alpha_test.h). The geometry's
 /// user data is the StaticScene; its attachments are numbered as the scene's instances are.
 void filter_see_through(const RTCFilterFunctionNArguments* arguments);
 

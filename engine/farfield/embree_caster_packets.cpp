@@ -37,6 +37,7 @@ class PacketCaster {
     explicit PacketCaster(const PacketJob& job) : job_(job) {
         rtcInitIntersectContext(&cast_.context);
         cast_.pixel_angle = job.view->pixel_angle();
+        cast_.blend_within_m = job.view->blend_within_m;
         cast_.context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
         for (int lane = 0; lane < kWidth; ++lane) {
             packet_.ray.org_x[lane] = job.origin.x;

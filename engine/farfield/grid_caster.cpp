@@ -6,6 +6,7 @@
 #include "engine/core/jobs.h"
 #include "engine/core/stopwatch.h"
 #include "engine/farfield/cast_cost_sum.h"
+#include "engine/farfield/float_ray.h"
 #include "engine/farfield/grid_traversal.h"
 
 namespace ff::farfield {
@@ -16,13 +17,14 @@ constexpr std::size_t kRaysPerTask = 256;
 
 class GridCaster final : public RayCaster {
   public:
-    explicit GridCaster(const scene::StaticScene& scene) {
+    GridCaster(const scene::StaticScene& scene, double cells_per_item) {
         const Stopwatch watch;
         world_.scene = scene;
         world_.meshes.resize(scene.meshes.size());
-        parallel_for(scene.meshes.size(),
-                     [&](std::size_t m) { world_.meshes[m] = grid::make_mesh_grid(scene, scene.meshes[m]); });
-        world_.top = grid::make_instance_grid(scene);
+        parallel_for(scene.meshes.size(), [&](std::size_t m) {
+            world_.meshes[m] = grid::make_mesh_grid(scene, scene.meshes[m], cells_per_item);
+        });
+        world_.top = grid::make_instance_grid(scene, cells_per_item);
         world_.placements.reserve(scene.instances.size());
         for (const scene::Instance& instance : scene.instances) {
             const bool is_turned = instance.world_from_mesh != Mat3(1.0f);
@@ -47,7 +49,10 @@ class GridCaster final : public RayCaster {
         CastCostSum cost;
         parallel_ranges(rays.size(), kRaysPerTask, [&](std::size_t begin, std::size_t end) {
             CastCost sum;
-            for (std::size_t i = begin; i < end; ++i) hits[i] = grid::cast_ray(world_, rays[i], 0.0f, sum);
+            for (std::size_t i = begin; i < end; ++i)
+                hits[i] = cast_float_ray(world_.scene.bounds, rays[i], [&](const Ray& ray) {
+                    return grid::cast_ray(world_, ray, grid::RayCone{}, sum);
+                });
             cost.add(sum);
         });
         return cost.total();
@@ -67,8 +72,9 @@ class GridCaster final : public RayCaster {
 
 }  // namespace
 
-std::unique_ptr<RayCaster> make_grid_caster(const scene::StaticScene& scene) {
-    return std::make_unique<GridCaster>(scene);
+std::unique_ptr<RayCaster> make_grid_caster(const scene::StaticScene& scene, double cells_per_item) {
+    FF_CHECK(cells_per_item > 0.0, "{} cells per item", cells_per_item);
+    return std::make_unique<GridCaster>(scene, cells_per_item);
 }
 
 }  // namespace ff::farfield

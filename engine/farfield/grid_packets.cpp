@@ -8,6 +8,7 @@
 
 #include "engine/farfield/alpha_test.h"
 #include "engine/farfield/grid_traversal.h"
+#include "engine/farfield/grid_triangle.h"
 #include "engine/farfield/tile_regroup.h"
 
 #undef HWY_TARGET_INCLUDE
@@ -263,6 +264,7 @@ class PacketCaster {
         const Vec3 normal = glm::cross(b - a, c - a);
         const float distance = glm::dot(a, normal);
         const bool see_through = (mesh.material_flags & (scene::kMaterialAlphaMask | scene::kMaterialBlend)) != 0;
+        const float volume_error = volume_rounding(a, b, c);
         bool any = false;
         for (std::size_t lane = 0; lane < kWidth; lane += hn::Lanes(df)) {
             const auto x = hn::Load(df, directions.axis[0] + lane);
@@ -277,12 +279,30 @@ class PacketCaster {
             const auto va = dot(at_a), vb = dot(at_b), vc = dot(at_c);
             const auto zero = hn::Zero(df);
             const auto least = hn::Min(va, hn::Min(vb, vc)), most = hn::Max(va, hn::Max(vb, vc));
-            const auto inside = hn::Or(hn::Ge(least, zero), hn::Le(most, zero));
-            if (hn::AllFalse(df, inside)) continue;
+            const auto longest = hn::Max(hn::Abs(x), hn::Max(hn::Abs(y), hn::Abs(z)));
+            const auto rounding = hn::Mul(hn::Set(df, volume_error), longest);
+            const auto outside = hn::And(hn::Lt(least, hn::Neg(rounding)), hn::Gt(most, rounding));
+            if (hn::AllTrue(df, outside)) continue;
             const auto volume = hn::Add(hn::Add(va, vb), vc);
-            const auto t = hn::Div(hn::Set(df, distance), dot(normal));
+            auto t = hn::Div(hn::Set(df, distance), dot(normal));
+            const auto inside = hn::Or(hn::Gt(least, rounding), hn::Lt(most, hn::Neg(rounding)));
+            const auto doubtful = hn::AndNot(outside, hn::Not(inside));
+            if (HWY_UNLIKELY(!hn::AllFalse(df, doubtful))) {
+                alignas(64) float at[kWidth], in_doubt[kWidth];
+                hn::Store(t, df, at);
+                hn::Store(hn::IfThenElse(doubtful, hn::Set(df, 1.0f), zero), df, in_doubt);
+                for (std::size_t i = 0; i < hn::Lanes(df); ++i) {
+                    if (in_doubt[i] == 0.0f) continue;
+                    const Vec3 d(directions.axis[0][lane + i], directions.axis[1][lane + i],
+                                 directions.axis[2][lane + i]);
+                    at[i] = float(
+                        meet_in_double({positions[corner[0]], positions[corner[1]], positions[corner[2]]}, origin, d));
+                }
+                t = hn::Load(df, at);
+            }
             const auto nearest = hn::Load(df, packet.t + lane);
-            auto hit = hn::And(hn::And(inside, hn::Ne(volume, zero)), hn::And(hn::Ge(t, zero), hn::Lt(t, nearest)));
+            auto hit = hn::And(hn::Not(outside), hn::And(hn::Ge(t, zero), hn::Lt(t, nearest)));
+            if (see_through) hit = hn::And(hit, hn::Ne(volume, zero));  // else no place on it could be looked up
             if (hn::AllFalse(df, hit)) continue;
             if (see_through) {
                 alignas(64) float b1[kWidth], b2[kWidth], at[kWidth], opaque[kWidth];
@@ -293,8 +313,9 @@ class PacketCaster {
                 const AlphaSurface surface = make_alpha_surface(scene, instance, id, triangle);
                 const float pixel_angle = view_.pixel_angle();
                 for (std::size_t i = 0; i < hn::Lanes(df); ++i) {
-                    const bool is_hit = std::bit_cast<std::uint32_t>(opaque[i]) != 0;
-                    opaque[i] = is_hit && is_opaque_at(surface, b1[i], b2[i], pixel_angle * at[i]) ? 1.0f : 0.0f;
+                    if (std::bit_cast<std::uint32_t>(opaque[i]) == 0) continue;
+                    const bool in_layer = is_in_layer(surface, at[i], layer_depth(packet, int(lane + i)));
+                    opaque[i] = is_opaque_at(surface, b1[i], b2[i], pixel_angle * at[i], in_layer) ? 1.0f : 0.0f;
                 }
                 hit = hn::Gt(hn::Load(df, opaque), zero);
                 if (hn::AllFalse(df, hit)) continue;
@@ -314,12 +335,19 @@ class PacketCaster {
         limit_ = hn::GetLane(hn::MaxOfLanes(df, far));
     }
 
+    /// Depth before which blended hits are transparent layers (alpha_test.h).
+    [[nodiscard]] float layer_depth(const Packet& packet, int lane) const {
+        const Directions& d = packet.world;
+        return view_.blend_within_m / glm::length(Vec3(d.axis[0][lane], d.axis[1][lane], d.axis[2][lane]));
+    }
+
     /// Rays that part go on alone.
     void split(Packet& packet, const PixelPacket<kWidth>& pixels) {
         for (int lane = 0; lane < pixels.count; ++lane) {
             const Vec3 d(packet.world.axis[0][lane], packet.world.axis[1][lane], packet.world.axis[2][lane]);
             CastCost one;
-            const RayHit hit = cast_ray(world_, {view_.position, d}, view_.pixel_angle(), one);
+            const RayHit hit =
+                cast_ray(world_, {view_.position, d}, {view_.pixel_angle(), layer_depth(packet, lane)}, one);
             cost.nodes += one.nodes;
             cost.triangles += one.triangles;
             packet.instance[lane] = hit.instance;

@@ -7,8 +7,6 @@
 namespace ff::farfield::grid {
 namespace {
 
-/// Cells per item. More cost memory and build time, fewer cost triangle tests; measured, flat between 2 and 6.
-constexpr double kCellsPerItem = 4.0;
 constexpr int kMaxCellsPerAxis = 512;
 
 struct CellRange {
@@ -28,8 +26,8 @@ CellRange cells_of(const Grid& grid, const Vec3& low, const Vec3& high) {
     return range;
 }
 
-/// Chooses cells that are about cubes, kCellsPerItem of them per item.
-void lay_out(Grid& grid, const Box3& bounds, std::size_t items) {
+/// Chooses cells that are about cubes.
+void lay_out(Grid& grid, const Box3& bounds, double cells) {
     Vec3 extent = bounds.extent();
     const float largest = std::max({extent.x, extent.y, extent.z, 1e-3f});
     extent = glm::max(extent, Vec3(1e-3f * largest));
@@ -38,7 +36,7 @@ void lay_out(Grid& grid, const Box3& bounds, std::size_t items) {
     grid.low = bounds.low - margin;
     extent += 2.0f * margin;
     const double volume = double(extent.x) * double(extent.y) * double(extent.z);
-    const double side = std::cbrt(volume / (kCellsPerItem * double(items)));
+    const double side = std::cbrt(volume / cells);
     for (int axis = 0; axis < 3; ++axis) {
         grid.count[axis] = std::clamp(int(std::lround(double(extent[axis]) / side)), 1, kMaxCellsPerAxis);
         grid.cells_per_m[axis] = float(grid.count[axis]) / extent[axis];
@@ -93,7 +91,7 @@ void measure_clearance(Grid& grid) {
 
 }  // namespace
 
-Grid make_mesh_grid(const scene::StaticScene& scene, const scene::Mesh& mesh) {
+Grid make_mesh_grid(const scene::StaticScene& scene, const scene::Mesh& mesh, double cells_per_item) {
     Grid grid;
     if (mesh.triangle_count == 0) return grid;
     const auto corner = [&](std::uint32_t triangle, std::size_t k) -> const Vec3& {
@@ -103,7 +101,7 @@ Grid make_mesh_grid(const scene::StaticScene& scene, const scene::Mesh& mesh) {
     Box3 bounds;
     for (std::uint32_t t = 0; t < mesh.triangle_count; ++t)
         for (std::size_t k = 0; k < 3; ++k) bounds.add(corner(t, k));
-    lay_out(grid, bounds, mesh.triangle_count);
+    lay_out(grid, bounds, cells_per_item * mesh.triangle_count);
     const Vec3 half = 0.501f / grid.cells_per_m;
     fill(grid, mesh.triangle_count, [&](std::uint32_t t, auto&& visit) {
         const Vec3 a = corner(t, 0), b = corner(t, 1), c = corner(t, 2);
@@ -119,7 +117,7 @@ Grid make_mesh_grid(const scene::StaticScene& scene, const scene::Mesh& mesh) {
     return grid;
 }
 
-Grid make_instance_grid(const scene::StaticScene& scene) {
+Grid make_instance_grid(const scene::StaticScene& scene, double cells_per_item) {
     Grid grid;
     Box3 bounds;
     const auto box_of = [&](const scene::Instance& instance) {
@@ -128,7 +126,7 @@ Grid make_instance_grid(const scene::StaticScene& scene) {
     for (const scene::Instance& instance : scene.instances)
         if (!instance.bounds.is_empty()) bounds.add(box_of(instance));
     if (bounds.is_empty()) return grid;
-    lay_out(grid, bounds, scene.instances.size());
+    lay_out(grid, bounds, cells_per_item * double(scene.instances.size()));
     fill(grid, scene.instances.size(), [&](std::uint32_t i, auto&& visit) {
         if (scene.instances[i].bounds.is_empty()) return;
         const Box3 box = box_of(scene.instances[i]);

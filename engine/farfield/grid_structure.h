@@ -30,9 +30,11 @@ struct Grid {
 };
 
 /// Grid over the triangles of a mesh, mesh space. Triangles enter the cells that their box and their plane meet.
-[[nodiscard]] Grid make_mesh_grid(const scene::StaticScene& scene, const scene::Mesh& mesh);
+/// @param cells_per_item  cells for each triangle, > 0; at most 512 an axis
+[[nodiscard]] Grid make_mesh_grid(const scene::StaticScene& scene, const scene::Mesh& mesh, double cells_per_item);
 
 /// Grid over the instances' boxes, relative to scene.origin.
-[[nodiscard]] Grid make_instance_grid(const scene::StaticScene& scene);
+/// @param cells_per_item  cells for each instance, > 0; at most 512 an axis
+[[nodiscard]] Grid make_instance_grid(const scene::StaticScene& scene, double cells_per_item);
 
 }  // namespace ff::farfield::grid

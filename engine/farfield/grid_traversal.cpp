@@ -9,6 +9,7 @@
 #include <limits>
 
 #include "engine/farfield/alpha_test.h"
+#include "engine/farfield/grid_triangle.h"
 
 namespace ff::farfield::grid {
 namespace {
@@ -60,10 +61,9 @@ void walk_cells(const Grid& grid, const Vec3& origin, const Vec3& direction, flo
     }
 }
 
-/// One triangle against one ray, by the signs of three volumes; a shared edge gives both neighbours the same number,
-/// so no ray passes between them.
+/// One triangle against one ray, by the signs of three volumes; a shared edge gives both neighbours the same number.
 void test_triangle(const GridWorld& world, std::uint32_t instance_id, std::uint32_t triangle, const Vec3& origin,
-                   const Vec3& direction, float pixel_angle, RayHit& hit) {
+                   const Vec3& direction, const RayCone& cone, RayHit& hit) {
     const scene::StaticScene& scene = world.scene;
     const scene::Instance& instance = scene.instances[instance_id];
     const scene::Mesh& mesh = scene.meshes[instance.mesh];
@@ -73,22 +73,32 @@ void test_triangle(const GridWorld& world, std::uint32_t instance_id, std::uint3
     const float at_a = glm::dot(direction, glm::cross(c, b));
     const float at_b = glm::dot(direction, glm::cross(a, c));
     const float at_c = glm::dot(direction, glm::cross(b, a));
-    if ((at_a < 0 || at_b < 0 || at_c < 0) && (at_a > 0 || at_b > 0 || at_c > 0)) return;
+    const float least = std::min(at_a, std::min(at_b, at_c)), most = std::max(at_a, std::max(at_b, at_c));
+    const Vec3 size = glm::abs(direction);
+    const float rounding = volume_rounding(a, b, c) * std::max(size.x, std::max(size.y, size.z));
+    if (least < -rounding && most > rounding) return;
     const float volume = at_a + at_b + at_c;
-    if (volume == 0.0f) return;
-    const Vec3 normal = glm::cross(b - a, c - a);
-    const float t = glm::dot(a, normal) / glm::dot(direction, normal);
+    float t;
+    if (least > rounding || most < -rounding) {
+        const Vec3 normal = glm::cross(b - a, c - a);
+        t = glm::dot(a, normal) / glm::dot(direction, normal);
+    } else {
+        t = float(
+            meet_in_double({positions[corner[0]], positions[corner[1]], positions[corner[2]]}, origin, direction));
+    }
     if (!(t >= 0.0f && t < hit.t)) return;
     if ((mesh.material_flags & (scene::kMaterialAlphaMask | scene::kMaterialBlend)) != 0) {
+        if (volume == 0.0f) return;  // no place on it that could be looked up
         const AlphaSurface surface = make_alpha_surface(scene, instance, instance_id, triangle);
-        if (!is_opaque_at(surface, at_b / volume, at_c / volume, pixel_angle * t)) return;
+        const bool in_layer = is_in_layer(surface, t, cone.layer_depth);
+        if (!is_opaque_at(surface, at_b / volume, at_c / volume, cone.pixel_angle * t, in_layer)) return;
     }
     hit = {instance_id, triangle, t};
 }
 
 }  // namespace
 
-RayHit cast_ray(const GridWorld& world, const Ray& ray, float pixel_angle, CastCost& cost) {
+RayHit cast_ray(const GridWorld& world, const Ray& ray, const RayCone& cone, CastCost& cost) {
     RayHit hit{kSkyInstance, 0, kInf};
     ++cost.rays;
     const Vec3 origin(ray.origin - world.scene.origin);
@@ -112,7 +122,7 @@ RayHit cast_ray(const GridWorld& world, const Ray& ray, float pixel_angle, CastC
                 ++cost.nodes;
                 for (std::uint32_t k = grid.first_item[cell]; k < grid.first_item[cell + 1]; ++k) {
                     ++cost.triangles;
-                    test_triangle(world, id, grid.items[k], o, d, pixel_angle, hit);
+                    test_triangle(world, id, grid.items[k], o, d, cone, hit);
                 }
                 return hit.t;
             });

@@ -27,8 +27,14 @@ struct GridWorld {
     std::vector<Placement> placements;  ///< per instance
 };
 
+/// What the alpha test wants to know of a ray (alpha_test.h); nothing, for a bare one.
+struct RayCone {
+    float pixel_angle = 0.0f;
+    float layer_depth = 0.0f;  ///< blended hits with a smaller t are transparent layers
+};
+
 /// First hit of one ray. Directions with a NaN or of length 0 hit nothing.
-[[nodiscard]] RayHit cast_ray(const GridWorld& world, const Ray& ray, float pixel_angle, CastCost& cost);
+[[nodiscard]] RayHit cast_ray(const GridWorld& world, const Ray& ray, const RayCone& cone, CastCost& cost);
 
 /// Answers the pixels of some tiles.
 [[nodiscard]] CastCost cast_packets(const GridWorld& world, const PinholeView& view, std::span<const TileRequest> tiles,

@@ -1,6 +1,7 @@
 // Candidates are gathered eight at a time into the layout of a direct leaf (scene/bvh.h), each lane with its own
-// instance's transformation, and set up as the tile caster sets up its leaves. The pixels asked for, often few of a
-// tile, are packed into registers row by row, and a triangle tests those of its rows.
+// instance's transformation, and set up as the tile caster sets up its leaves. Where most of a tile is asked for, they
+// are drawn as the tile caster draws them; where it is few pixels, these are packed into registers row by row, and a
+// triangle tests those of its rows.
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "engine/farfield/known_primitives.cpp"
@@ -12,101 +13,13 @@
 
 #include "engine/core/check.h"
 #include "engine/farfield/beam_rows-inl.h"
+#include "engine/farfield/known_block-inl.h"
 #include "engine/farfield/known_primitives.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace ff::farfield::beam {
 namespace HWY_NAMESPACE {
 namespace {
-
-constexpr int kBlock = BvhLeaf::kMaxDirect;
-constexpr int kFilled = std::max(kBlock, kLanes);  // registers wider than a block repeat its last triangle
-
-// Up to eight triangles of any instances.
-struct alignas(64) Block {
-    float linear[3][4][kFilled];    // the lanes' Linears: X W, Y W, W; x y z c
-    float position[3][3][kFilled];  // corner, axis; mesh space
-    std::uint32_t alpha = 0;        // bit per triangle that is masked or blended
-};
-
-// Transforms of the instances that came last: a tile's candidates alternate between a few.
-class InstanceLinears {
-  public:
-    InstanceLinears(const scene::StaticScene& scene, const BeamView& view, const TileRequest& tile)
-        : scene_(scene),
-          position_(view.view.position),
-          tile_from_world_(view.tile_from_world(tile.x - tile.x % kBeamSize, tile.y - tile.y % kBeamSize)) {
-        for (std::uint32_t& id : ids_) id = kSkyInstance;
-    }
-
-    const Linear (&of(std::uint32_t id))[3] {
-        Entry& entry = entries_[id % kEntries];
-        if (id == ids_[id % kEntries]) return entry.xyw;
-        const scene::Instance& instance = scene_.instances[id];
-        const DVec3 offset = instance.position - position_;
-        for (int row = 0; row < 3; ++row)
-            entry.xyw[row] = linear_of(tile_from_world_, row, DMat3(instance.world_from_mesh), offset);
-        ids_[id % kEntries] = id;
-        return entry.xyw;
-    }
-
-  private:
-    static constexpr std::uint32_t kEntries = 16;
-    struct Entry {
-        Linear xyw[3];
-    };
-
-    const scene::StaticScene& scene_;
-    WorldPos position_;
-    DMat3 tile_from_world_;
-    std::uint32_t ids_[kEntries];
-    Entry entries_[kEntries];
-};
-
-// Lanes beyond the last repeat it.
-HWY_INLINE void fill(std::span<const KnownTriangle> triangles, InstanceLinears& linears, Block& block) {
-    block.alpha = 0;
-    for (std::size_t lane = 0; lane < std::size_t(kFilled); ++lane) {
-        const KnownTriangle& triangle = triangles[std::min(lane, triangles.size() - 1)];
-        const Linear(&xyw)[3] = linears.of(triangle.id.instance);
-        for (int row = 0; row < 3; ++row) {
-            block.linear[row][0][lane] = xyw[row].x;
-            block.linear[row][1][lane] = xyw[row].y;
-            block.linear[row][2][lane] = xyw[row].z;
-            block.linear[row][3][lane] = xyw[row].c;
-        }
-        for (int corner = 0; corner < 3; ++corner)
-            for (int axis = 0; axis < 3; ++axis) block.position[corner][axis][lane] = triangle.corners[corner][axis];
-        if (lane < triangles.size() && triangle.is_see_through) block.alpha |= 1u << lane;
-    }
-}
-
-// As transform_vertices, but each lane by its own instance.
-HWY_INLINE bool transform(const Block& block, LeafScratch& s) {
-    MF projected = hn::MaskFromVec(hn::BitCast(f, hn::Set(si, -1)));
-    for (int corner = 0; corner < 3; ++corner) {
-        const auto& p = block.position[corner];
-        for (int lane = 0; lane < kBlock; lane += kLanes) {
-            const VF x = hn::Load(f, p[0] + lane), y = hn::Load(f, p[1] + lane), z = hn::Load(f, p[2] + lane);
-            const auto apply = [&](int row) {
-                const auto load = [&](int term) { return hn::Load(f, block.linear[row][term] + lane); };
-                return hn::MulAdd(load(0), x, hn::MulAdd(load(1), y, hn::MulAdd(load(2), z, load(3))));
-            };
-            projected = hn::And(projected, store_vertices(apply(0), apply(1), apply(2), s, corner * kBlock + lane));
-        }
-    }
-    return hn::AllTrue(f, projected);
-}
-
-// A leaf's description of a block: what set_up reads beside the vertices.
-HWY_INLINE BvhLeaf describe(std::size_t triangles) {
-    BvhLeaf leaf;
-    leaf.vertex_count = 3 * kBlock;
-    leaf.triangle_count = std::uint16_t(triangles);
-    for (int corner = 0; corner < 3; ++corner)
-        for (int i = 0; i < 16; ++i) leaf.corner[corner][i] = std::uint8_t(corner * kBlock + std::min(i, kBlock - 1));
-    return leaf;
-}
 
 // The pixels asked for, row by row, and what each has found so far; filled up to whole registers.
 struct Pixels {
@@ -183,7 +96,7 @@ HWY_INLINE void draw_packed(const LeafScratch& s, int i, PrimitiveId id, Pixels&
         const auto smaller = hn::Or(hn::Lt(own_instance, old_instance),
                                     hn::And(hn::Eq(own_instance, old_instance), hn::Lt(own_triangle, old_triangle)));
         win = hn::And(win, hn::Or(hn::Gt(inverse_depth, best), hn::RebindMask(f, smaller)));
-        if constexpr (kAlpha) win = opaque_lanes(win, *alpha, s, i, e, inverse_depth);
+        if constexpr (kAlpha) win = opaque_lanes(win, *alpha, s, i, x, y, e, inverse_depth);
         const auto win_u = hn::RebindMask(ui, win);
         hn::Store(hn::IfThenElse(win, inverse_depth, best), f, pixels.best + at);
         hn::Store(hn::IfThenElse(win_u, own_instance, old_instance), ui, pixels.instance + at);
@@ -191,29 +104,39 @@ HWY_INLINE void draw_packed(const LeafScratch& s, int i, PrimitiveId id, Pixels&
     }
 }
 
-HWY_INLINE void draw_block(const scene::StaticScene& scene, std::span<const KnownTriangle> triangles,
-                           const Block& block, float pixel_angle, const Tile& tile, Pixels& pixels) {
+// Calls draw_one(scratch, lane, triangle, alpha or null) for the triangles that may win a pixel of the tile.
+template <class DrawOne>
+HWY_INLINE void draw_blocks(const scene::StaticScene& scene, const BeamView& view, const TileRequest& request,
+                            std::span<const KnownTriangle> candidates, const Tile& tile, DrawOne&& draw_one) {
     constexpr bool kDirect = kLanes <= kBlock;
+    InstanceLinears linears(scene, view, request);
+    const BeamRequest square = beam_request_of(request);
+    const AlphaRays rays = view.alpha_rays(square.x, square.y);
+    Block block;
     LeafScratch s;
-    BvhLeaf leaf = describe(triangles.size());
-    const bool projected = transform(block, s);
-    std::uint32_t bits = 0;
-    for (int first = 0; first < leaf.triangle_count; first += kLanes)
-        bits |= projected ? set_up<false, true, kDirect>(leaf, first, tile, s)
-                          : set_up<false, false, kDirect>(leaf, first, tile, s);
-    for (; bits != 0; bits &= bits - 1) {
-        const int i = std::countr_zero(bits);
-        const KnownTriangle& triangle = triangles[std::size_t(i)];
-        if ((block.alpha >> i) & 1) {
-            for (int corner = 0; corner < 3; ++corner) {
-                const Vec3& p = triangle.corners[corner];
-                const int v = leaf.corner[corner][i];
-                leaf.x[v] = p.x, leaf.y[v] = p.y, leaf.z[v] = p.z;
+    for (std::size_t begin = 0; begin < candidates.size(); begin += std::size_t(kBlock)) {
+        const auto triangles = candidates.subspan(begin, std::min(candidates.size() - begin, std::size_t(kBlock)));
+        fill(triangles, linears, block);
+        BvhLeaf leaf = describe(triangles.size());
+        const bool projected = transform(block, s);
+        std::uint32_t bits = 0;
+        for (int first = 0; first < leaf.triangle_count; first += kLanes)
+            bits |= projected ? set_up<false, true, kDirect>(leaf, first, tile, s)
+                              : set_up<false, false, kDirect>(leaf, first, tile, s);
+        for (; bits != 0; bits &= bits - 1) {
+            const int i = std::countr_zero(bits);
+            const KnownTriangle& triangle = triangles[std::size_t(i)];
+            if ((block.alpha >> i) & 1) {
+                for (int corner = 0; corner < 3; ++corner) {
+                    const Vec3& p = triangle.corners[corner];
+                    const int v = leaf.corner[corner][i];
+                    leaf.x[v] = p.x, leaf.y[v] = p.y, leaf.z[v] = p.z;
+                }
+                AlphaDraw alpha{scene, triangle.id.instance, triangle.id.triangle, rays, leaf, i, {}};
+                draw_one(s, i, triangle.id, &alpha);
+            } else {
+                draw_one(s, i, triangle.id, static_cast<AlphaDraw*>(nullptr));
             }
-            AlphaDraw alpha{scene, triangle.id.instance, triangle.id.triangle, pixel_angle, leaf, i, {}};
-            draw_packed<true>(s, i, triangle.id, pixels, &alpha);
-        } else {
-            draw_packed<false>(s, i, triangle.id, pixels, nullptr);
         }
     }
 }
@@ -241,21 +164,54 @@ HWY_INLINE void write_pixels(const Pixels& pixels, const TileRequest& request, V
     }
 }
 
+// The same for the rows of a whole tile.
+HWY_INLINE void write_hits(const Tile& tile, const TileRequest& request, const BeamRequest& square,
+                           const std::uint32_t (&rows)[kBeamSize], VisibilityBuffer& out, TileRequest& missed) {
+    std::uint32_t hits[kBeamSize];
+    const int first_column = request.x % kBeamSize, first_row = request.y % kBeamSize;
+    for (int row = 0; row < kBeamSize; ++row) {
+        hits[row] = 0;
+        if (rows[row] == 0) continue;
+        for (int chunk = 0; chunk < kBeamSize; chunk += kLanes)
+            hits[row] |= bits_of(hn::Gt(hn::Load(f, tile.best + row * kRowStride + chunk), hn::Zero(f))) << chunk;
+        hits[row] &= rows[row];
+        missed.rows[row - first_row] = std::uint16_t((rows[row] & ~hits[row]) >> first_column);
+    }
+    write_tile(tile, square, hits, out);
+}
+
 }  // namespace
 
 void CastKnownTile(const scene::StaticScene& scene, const BeamView& view, const TileRequest& request,
                    std::span<const KnownTriangle> candidates, VisibilityBuffer& out, TileRequest& missed) {
     missed = {request.x, request.y, {}};
-    Pixels pixels;
-    Tile tile;  // only its bounds: no candidate is dropped for its depth, they are too few
-    if (!begin_pixels(view.view, request, pixels, tile)) return;
-    InstanceLinears linears(scene, view, request);
-    Block block;
-    for (std::size_t first = 0; first < candidates.size(); first += std::size_t(kBlock)) {
-        const auto some = candidates.subspan(first, std::min(candidates.size() - first, std::size_t(kBlock)));
-        fill(some, linears, block);
-        draw_block(scene, some, block, view.pixel_angle, tile, pixels);
+    int asked = 0;
+    for (const std::uint16_t row : request.rows) asked += std::popcount(row);
+    Tile tile;  // its depths drop no candidate: they are too few
+    constexpr int kManyPixels = 64;
+    if (asked >= kManyPixels) {
+        const BeamRequest square = beam_request_of(request);
+        std::uint32_t rows[kBeamSize];
+        if (!begin_tile(view.view, square, rows, tile)) return;
+        draw_blocks(scene, view, request, candidates, tile,
+                    [&](const LeafScratch& s, int i, PrimitiveId id, AlphaDraw* alpha) {
+                        if (alpha != nullptr)
+                            draw<true>(s, i, id.instance, id.triangle, tile, alpha);
+                        else
+                            draw<false>(s, i, id.instance, id.triangle, tile, nullptr);
+                    });
+        write_hits(tile, request, square, rows, out, missed);
+        return;
     }
+    Pixels pixels;
+    if (!begin_pixels(view.view, request, pixels, tile)) return;
+    draw_blocks(scene, view, request, candidates, tile,
+                [&](const LeafScratch& s, int i, PrimitiveId id, AlphaDraw* alpha) {
+                    if (alpha != nullptr)
+                        draw_packed<true>(s, i, id, pixels, alpha);
+                    else
+                        draw_packed<false>(s, i, id, pixels, nullptr);
+                });
     write_pixels(pixels, request, out, missed);
 }
 
@@ -315,6 +271,10 @@ void fetch_triangles(const scene::StaticScene& scene, std::span<const PrimitiveI
                 triangle.corners[corner] = scene.positions[meshes[i]->first_vertex + corners[i][corner]];
             triangle.is_see_through =
                 is_see_through(scene, *meshes[i], std::size_t(meshes[i]->first_triangle) + triangle.id.triangle);
+            if (!triangle.is_see_through) continue;
+            // The alpha test will want their texture coordinates.
+            for (int corner = 0; corner < 3; ++corner)
+                __builtin_prefetch(&scene.attributes[meshes[i]->first_vertex + corners[i][corner]]);
         }
     }
 }

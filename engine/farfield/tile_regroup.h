@@ -32,6 +32,9 @@ struct PixelPacket {
 /// Number of pixels that the tiles ask for inside the image.
 [[nodiscard]] std::uint64_t count_pixels(std::span<const TileRequest> tiles, int width, int height);
 
+/// Number of pixels that the tiles ask for and that see sky.
+[[nodiscard]] std::uint64_t count_sky(std::span<const TileRequest> tiles, const VisibilityBuffer& visibility);
+
 /// Answers the pixels of a tile with sky.
 void write_sky(const PinholeView& view, const TileRequest& tile, VisibilityBuffer& out);
 

@@ -27,6 +27,9 @@ class DynamicOverlay {
                             std::span<const farfield::TileRequest> tiles, farfield::VisibilityBuffer& visibility,
                             farfield::PixelMask& covered);
 
+    /// The scene with the instances of the last draw, and a tree over them, in place of the static ones.
+    [[nodiscard]] const scene::StaticScene& moving() const { return scene_; }
+
   private:
     scene::StaticScene scene_;  ///< the static arrays, with the moving instances in place of the others
     std::uint32_t first_id_;

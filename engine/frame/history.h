@@ -13,9 +13,12 @@
 #include "engine/farfield/panorama.h"
 #include "engine/farfield/pixel_mask.h"
 #include "engine/farfield/ray_caster.h"
+#include "engine/farfield/reproject.h"
 #include "engine/farfield/visibility_buffer.h"
+#include "engine/frame/settings.h"
 #include "engine/frame/stats.h"
 #include "engine/math/camera.h"
+#include "engine/shading/layer_pass.h"
 #include "engine/shading/shading_pass.h"
 #include "engine/shading/upscale.h"
 #include "engine/visibility/culler.h"
@@ -39,8 +42,11 @@ struct FrameHistory {
     std::unique_ptr<farfield::Panorama> panorama;  ///< made when a plan first asks for it
     shading::Image panorama_colors;                ///< where its texels are shaded
     bool panorama_is_full = false;                 ///< it held all that the last frame saw, and the viewer stood
+    float panorama_blend_within_m = 0.0f;          ///< what its texels look past
+    shading::LayerScratch layers;                  ///< scratch: transparent layers on their way into the image
     shading::Image reduced;                        ///< a frame that is drawn smaller than it is shown
     shading::Upscaler upscaler;
+    std::unique_ptr<farfield::Reprojection> reprojection;  ///< made when a plan first asks for it
     SourceMasks sources;
     std::vector<farfield::TileRequest> wanted;    ///< scratch: what neither near field nor horizon answers
     std::vector<farfield::TileRequest> requests;  ///< scratch: what is to be cast
@@ -53,6 +59,7 @@ struct FrameHistory {
     bool has_frame = false;
     int rest_frames = 0;  ///< frames since the viewer last moved
     PinholeView last_view;
+    Mode last_mode = Mode::hybrid;
     FrameStats last_stats;
     std::uint64_t frame_number = 0;
 

@@ -28,9 +28,11 @@ constexpr std::array kDensities{KnobValue{1.5}, KnobValue{1.0}, KnobValue{0.75},
 constexpr std::array kEdgeRules{KnobValue{1, "cast"}, KnobValue{2, "verify"}, KnobValue{0, "blend"}};
 constexpr std::array kPrelitDistances{
     KnobValue{kUnlimited, "never"}, KnobValue{1600}, KnobValue{400}, KnobValue{100}, KnobValue{25}, KnobValue{0}};
+constexpr std::array kBlendDistances{KnobValue{60}, KnobValue{20}, KnobValue{0, "by coverage"}};
 constexpr std::array kSubsamples{KnobValue{1, "every"}, KnobValue{2, "every 2nd"}, KnobValue{4, "every 4th"}};
 constexpr std::array kHorizonUses{KnobValue{1, "traced"}, KnobValue{0, "off"}};
 constexpr std::array kCasterKinds{KnobValue{0, "beam"}, KnobValue{1, "embree"}, KnobValue{2, "grid"}};
+constexpr std::array kGridCells{KnobValue{1}, KnobValue{4}, KnobValue{16}};
 constexpr std::array kNearDistances{KnobValue{0}, KnobValue{25}, KnobValue{50}, KnobValue{100}, KnobValue{400}};
 constexpr std::array kOpacityKinds{KnobValue{2, "readback"}, KnobValue{1, "software"}};
 
@@ -74,12 +76,20 @@ const std::array kKnobs{
          [](FrameSettings& s, double v) {
              s.prelit_beyond_m = v < kUnlimited ? float(v) : std::numeric_limits<float>::infinity();
          }},
+    Knob{"blend_within", "m", "Blended surfaces nearer than this are sorted per pixel, farther ones shown by coverage.",
+         60.0, kBlendDistances, [](FrameSettings& s, double v) { s.blend_within_m = float(v); }},
     Knob{"horizon", "", "Whether sky above the traced skyline is left to nobody.", 1.0, kHorizonUses,
          [](FrameSettings& s, double v) { s.use_horizon = v != 0.0; }},
     Knob{"horizon_subsample", "", "Which azimuths are traced; fewer ones on height squares so much coarser.", 1.0,
          kSubsamples, [](FrameSettings& s, double v) { s.horizon_subsample = int(v); }},
     Knob{"caster", "", "Who answers what is left over.", 0.0, kCasterKinds,
          [](FrameSettings& s, double v) { s.caster = CasterKind(int(v)); }},
+    Knob{"grid_cells", "a triangle", "Cells of the regular grid, where that answers what is left over.", 4.0,
+         kGridCells,
+         [](FrameSettings& s, double v) {
+             s.caster = CasterKind::grid;
+             s.grid_cells_per_item = float(v);
+         }},
     Knob{"near_distance", "m", "Cells nearer than this are rasterised by OpenGL.", 0.0, kNearDistances,
          [](FrameSettings& s, double v) { s.fixed_near_m = v; }, true},
     Knob{"opacity", "", "How the near field's covered pixels are found, at 50 m near distance.", 2.0, kOpacityKinds,
@@ -102,9 +112,14 @@ std::span<const Knob> knobs() {
     return kKnobs;
 }
 
-Status set_knob(FrameSettings& settings, std::string_view name, double value) {
+const Knob* find_knob(std::string_view name) {
     const auto knob = std::find_if(kKnobs.begin(), kKnobs.end(), [&](const Knob& k) { return k.name == name; });
-    if (knob == kKnobs.end()) return failure(fmt::format("there is no knob '{}'", name));
+    return knob == kKnobs.end() ? nullptr : &*knob;
+}
+
+Status set_knob(FrameSettings& settings, std::string_view name, double value) {
+    const Knob* knob = find_knob(name);
+    if (knob == nullptr) return failure(fmt::format("there is no knob '{}'", name));
     const auto [low, high] =
         std::minmax_element(knob->values.begin(), knob->values.end(),
                             [](const KnobValue& a, const KnobValue& b) { return a.value < b.value; });

@@ -34,7 +34,11 @@ struct FramePlan {
     bool store_panorama = false;  ///< enter what is cast, so that later frames may reuse it
     /// Cast whole tiles of the panorama ahead of the view: the viewer only turns or rests, or this is the first frame.
     bool fill_panorama = false;
+    bool primitives_are_known = false;  ///< one intersection a pixel, nothing is searched in time that counts
+    bool may_reproject = false;         ///< the last frame knows every pixel's primitive
+    farfield::ReprojectSettings reproject;
     CasterKind caster = CasterKind::beam;
+    float grid_cells_per_item = float(farfield::kUsualGridCellsPerItem);
     std::uint64_t ray_budget = UINT64_MAX;
     std::uint64_t fill_budget = UINT64_MAX;  ///< texels that may be filled
     float max_parallax_px = 0.5f;

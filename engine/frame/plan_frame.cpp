@@ -77,10 +77,17 @@ void look_ahead(const scene::StaticScene& scene, const FramePlan& plan, const Fr
     }
 }
 
+bool has_blended_materials(const scene::StaticScene& scene) {
+    return std::any_of(scene.materials.begin(), scene.materials.end(),
+                       [](const scene::Material& material) { return (material.flags & scene::kMaterialBlend) != 0; });
+}
+
 /// Draws the frame at a share of the image's sides. Whole pixels, at least one.
 void reduce(const Camera& camera, double resolution, FramePlan& plan) {
     const auto scaled = [&](int pixels) { return std::max(1, int(std::lround(resolution * pixels))); };
+    const float blend_within_m = plan.view.blend_within_m;
     plan.view = make_view(camera, scaled(plan.image_width), scaled(plan.image_height));
+    plan.view.blend_within_m = blend_within_m;
 }
 
 /// A budget is kept by drawing smaller, and who rests gets the panorama, which makes frames cheaper than any other.
@@ -128,11 +135,13 @@ void plan_frame(const scene::StaticScene& scene, std::span<const scene::Instance
                 int width, int height, const FrameSettings& settings, FrameHistory& history, FramePlan& plan) {
     plan = {};
     plan.mode = settings.mode;
+    plan.view.blend_within_m = has_blended_materials(scene) ? settings.blend_within_m : 0.0f;
     plan.image_width = width;
     plan.image_height = height;
     reduce(camera, settings.resolution, plan);
     plan.dynamic = dynamic;
     plan.caster = settings.caster;
+    plan.grid_cells_per_item = settings.grid_cells_per_item;
     plan.max_parallax_px = settings.max_parallax_px;
     plan.panorama_density = settings.panorama_density;
     plan.panorama_edges = settings.panorama_edges;
@@ -151,6 +160,20 @@ void plan_frame(const scene::StaticScene& scene, std::span<const scene::Instance
             return;
         case Mode::raycast:
             plan.caster = CasterKind::embree;
+            return;
+        case Mode::beam:
+            plan.caster = CasterKind::beam;
+            plan.trace_horizon = settings.use_horizon && scene.height_grid.size > 0;
+            return;
+        case Mode::irsa:
+            plan.caster = CasterKind::embree;
+            plan.primitives_are_known = true;
+            return;
+        case Mode::reproject:
+            plan.caster = settings.reproject_caster;
+            plan.reproject = settings.reproject;
+            plan.may_reproject = history.has_frame && knows_primitives(history.last_mode) &&
+                                 history.visibility.width == width && history.visibility.height == height;
             return;
         case Mode::hybrid:
             break;
@@ -180,13 +203,15 @@ void plan_frame(const scene::StaticScene& scene, std::span<const scene::Instance
 }
 
 std::string to_text(const FramePlan& plan) {
-    constexpr const char* kModes[] = {"hybrid", "raster", "raycast", "near"};
+    constexpr const char* kModes[] = {"hybrid", "raster", "raycast", "near", "beam", "reproject", "irsa"};
     constexpr const char* kCasters[] = {"beam", "embree", "grid"};
     std::string text = fmt::format("mode {}\nnear field {}, {} m\nhorizon {}, every {} azimuths\n",
                                    kModes[int(plan.mode)], plan.rasterise ? "rasterised" : "none", plan.near_m,
                                    plan.trace_horizon ? "traced" : "off", plan.horizon_subsample);
     text += fmt::format("panorama {}{}, up to {} px\n", plan.look_up_panorama ? "looked up" : "not used",
                         plan.fill_panorama ? " and filled ahead" : "", plan.max_parallax_px);
+    if (plan.view.blend_within_m > 0.0f)
+        text += fmt::format("blended surfaces sorted within {} m\n", plan.view.blend_within_m);
     if (plan.view.width != plan.image_width || plan.view.height != plan.image_height)
         text += fmt::format("drawn {}x{}, shown {}x{}\n", plan.view.width, plan.view.height, plan.image_width,
                             plan.image_height);

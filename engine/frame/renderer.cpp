@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
 
 #include "engine/core/check.h"
 #include "engine/core/stopwatch.h"
+#include "engine/frame/check_input.h"
 #include "engine/nearfield/near_renderer.h"
 
 namespace ff::frame {
@@ -15,7 +17,8 @@ void learn_costs(const FramePlan& plan, const FrameStats& stats, budget::CostMod
     const bool casts_remains = plan.look_up_panorama && !plan.store_panorama;
     if (!casts_remains) {
         costs.cast_ray.observe(stats.ms(Pass::cast), double(stats.rays));
-        costs.shade_pixel.observe(stats.ms(Pass::shade), double(stats.shaded_pixels));
+        // Transparent layers are shading, too: there are as many more as there are pixels.
+        costs.shade_pixel.observe(stats.ms(Pass::shade) + stats.ms(Pass::blend), double(stats.shaded_pixels));
     }
     if (stats.ms(Pass::upscale) > 0.0)
         costs.upscale_pixel.observe(stats.ms(Pass::upscale), double(plan.image_width) * plan.image_height);
@@ -48,7 +51,8 @@ Renderer::Renderer(const scene::StaticScene& scene, Casters& casters, nearfield:
                    int height)
     : culler_(scene),
       dynamic_overlay_(scene),
-      tools_{scene, casters, culler_, dynamic_overlay_, near_renderer},
+      layer_index_(farfield::make_layer_index(scene)),
+      tools_{scene, casters, culler_, dynamic_overlay_, layer_index_, near_renderer},
       width_(width),
       height_(height) {
     FF_CHECK(width > 0 && height > 0 && width <= 16384 && height <= 16384, "image of {} x {}", width, height);
@@ -63,17 +67,29 @@ void Renderer::reset() {
     history_.reset(width_, height_);
 }
 
+const FrameStats& Renderer::refuse(Error reason, shading::Image& image) {
+    refusal_ = std::move(reason);
+    if (image.width != width_ || image.height != height_) image.resize(width_, height_);
+    refused_stats_ = {};
+    refused_stats_.refused = true;
+    return refused_stats_;
+}
+
 const FrameStats& Renderer::draw(const Camera& camera, std::span<const scene::Instance> dynamic,
                                  const FrameSettings& settings, shading::Image& image) {
     const Stopwatch watch;
+    if (const Status input = check_frame_input(tools_.scene, camera, dynamic, settings); !input)
+        return refuse(input.error(), image);
+    refusal_ = {};
     plan_frame(tools_.scene, dynamic, camera, width_, height_, settings, history_, plan_);
     const double plan_ms = watch.milliseconds();
     history_.last_stats = run_passes(plan_, tools_, history_, image);
     FrameStats& stats = history_.last_stats;
     stats.ms(Pass::plan) = plan_ms;
-    stats.frame_ms = watch.milliseconds();
+    stats.frame_ms = watch.milliseconds() - stats.untimed_ms;
     if (plan_.mode == Mode::hybrid) learn_costs(plan_, stats, history_.costs);
     history_.last_view = plan_.view;
+    history_.last_mode = plan_.mode;
     history_.has_frame = true;
     ++history_.frame_number;
     return stats;

@@ -2,6 +2,7 @@
 
 #include <span>
 
+#include "engine/core/result.h"
 #include "engine/frame/run_passes.h"
 
 namespace ff::frame {
@@ -15,22 +16,31 @@ class Renderer {
              int height);
 
     /// Draws one frame. The first frame of a mode may build its caster, which takes as long as it takes.
+    /// Numbers that no picture can be drawn of (check_input.h) are refused: image and history stay as they are, the
+    /// stats say that nothing was drawn, and refusal() why.
     const FrameStats& draw(const Camera& camera, std::span<const scene::Instance> dynamic,
                            const FrameSettings& settings, shading::Image& image);
 
     /// Forgets all earlier frames, as after a teleport or before a new lap of a bench.
     void reset();
 
+    /// Success, or why the last frame was not drawn.
+    [[nodiscard]] const Status& refusal() const { return refusal_; }
     [[nodiscard]] const FramePlan& plan() const { return plan_; }
     [[nodiscard]] const FrameHistory& history() const { return history_; }
 
   private:
+    const FrameStats& refuse(Error reason, shading::Image& image);
+
     visibility::Culler culler_;
     DynamicOverlay dynamic_overlay_;
+    farfield::LayerIndex layer_index_;
     Tools tools_;
     int width_, height_;
     FrameHistory history_;
     FramePlan plan_;
+    FrameStats refused_stats_;
+    Status refusal_;
 };
 
 }  // namespace ff::frame

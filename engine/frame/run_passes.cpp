@@ -1,10 +1,14 @@
 #include "engine/frame/run_passes.h"
 
+#include <algorithm>
 #include <bit>
 
 #include "engine/core/check.h"
 #include "engine/core/log.h"
-#include "engine/core/stopwatch.h"
+#include "engine/farfield/tile_regroup.h"
+#include "engine/frame/known_frame.h"
+#include "engine/frame/reprojected_frame.h"
+#include "engine/frame/timed_pass.h"
 #include "engine/nearfield/near_renderer.h"
 
 namespace ff::frame {
@@ -14,20 +18,6 @@ using farfield::CastCost;
 using farfield::kTileSize;
 using farfield::PixelMask;
 using farfield::TileRequest;
-
-/// Times a pass from its making to its end.
-class TimedPass {
-  public:
-    TimedPass(FrameStats& stats, Pass pass) : stats_(stats), pass_(pass) {}
-    ~TimedPass() { stats_.ms(pass_) += watch_.milliseconds(); }
-    TimedPass(const TimedPass&) = delete;
-    TimedPass& operator=(const TimedPass&) = delete;
-
-  private:
-    FrameStats& stats_;
-    Pass pass_;
-    Stopwatch watch_;
-};
 
 void mark_sky(const PixelMask& sky, farfield::VisibilityBuffer& visibility) {
     for (std::size_t t = 0; t < sky.tiles.size(); ++t) {
@@ -93,19 +83,6 @@ void subtract(std::span<const TileRequest> wanted, std::span<const TileRequest> 
         for (int row = 0; row < kTileSize; ++row) tile_of(mask, request).rows[row] &= std::uint16_t(~request.rows[row]);
 }
 
-std::uint64_t count_misses(std::span<const TileRequest> requests, const farfield::VisibilityBuffer& visibility) {
-    std::uint64_t misses = 0;
-    for (const TileRequest& request : requests)
-        for (int row = 0; row < kTileSize; ++row) {
-            if (request.rows[row] == 0) continue;
-            const std::uint32_t* instance = &visibility.instance[visibility.index(request.x, request.y + row)];
-            unsigned sky = 0;
-            for (unsigned i = 0; i < kTileSize; ++i) sky |= unsigned(instance[i] == farfield::kSkyInstance) << i;
-            misses += std::uint64_t(std::popcount(sky & request.rows[row]));
-        }
-    return misses;
-}
-
 /// OpenGL ran out of something in the middle of a frame: the frame goes on without it.
 void report(const Status& status) {
     if (!status) log_warning("near field: {}", status.error().message);
@@ -160,6 +137,26 @@ shading::ShadeSettings shade_settings(const FramePlan& plan) {
     return {.prelit_beyond_m = plan.prelit_beyond_m};
 }
 
+/// Whether something blended may be near enough to be a transparent layer.
+bool may_have_layers(const FramePlan& plan, const Tools& tools) {
+    const float within_m = plan.view.blend_within_m;
+    if (!(within_m > 0.0f) || tools.layer_index.is_empty()) return false;
+    const auto is_blended = [&](const scene::Instance& instance) {
+        return (tools.scene.meshes[instance.mesh].material_flags & scene::kMaterialBlend) != 0;
+    };
+    return std::any_of(plan.dynamic.begin(), plan.dynamic.end(), is_blended) ||
+           farfield::has_layers_within(tools.scene, tools.layer_index, plan.view.position, within_m);
+}
+
+void blend_layers(const FramePlan& plan, const Tools& tools, FrameHistory& history, shading::Image& image,
+                  FrameStats& stats) {
+    const TimedPass timed(stats, Pass::blend);
+    const farfield::LayerScene layers{tools.scene, tools.layer_index,
+                                      plan.dynamic.empty() ? nullptr : &tools.dynamic_overlay.moving()};
+    stats.layers = shading::blend_layers(layers, plan.view, history.visibility, history.all_tiles, shade_settings(plan),
+                                         history.layers, image);
+}
+
 /// The map for frames like this one, told where the viewer stands.
 void begin_panorama(const FramePlan& plan, FrameHistory& history) {
     if (!history.panorama) {
@@ -172,6 +169,8 @@ void begin_panorama(const FramePlan& plan, FrameHistory& history) {
         history.panorama_colors.resize(size, 6 * size);
         populate_pages(history.panorama_colors.pixels);
     }
+    if (history.panorama_blend_within_m != plan.view.blend_within_m) history.panorama->clear();
+    history.panorama_blend_within_m = plan.view.blend_within_m;
     history.panorama->begin_frame(plan.view.position);
 }
 
@@ -188,10 +187,12 @@ std::uint64_t fill_panorama(const FramePlan& plan, const Tools& tools, const far
     for (int face = 0; face < 6; ++face) {
         const auto texels = panorama.fill_requests(face);
         if (texels.empty()) continue;
-        const PinholeView view = panorama.face_view(face);
+        PinholeView view = panorama.face_view(face);
+        view.blend_within_m = plan.view.blend_within_m;
         {
             const TimedPass timed(stats, Pass::cast);
-            stats.rays += tools.casters.get(plan.caster).cast_tiles(view, texels, panorama.map()).rays;
+            stats.rays +=
+                tools.casters.get(plan.caster, plan.grid_cells_per_item).cast_tiles(view, texels, panorama.map()).rays;
         }
         {
             const TimedPass timed(stats, Pass::shade);
@@ -210,7 +211,7 @@ void look_up_panorama(const FramePlan& plan, const Tools& tools, const farfield:
     farfield::Panorama& panorama = *history.panorama;
     const TimedPass timed(stats, Pass::panorama);
     // Depths are fetched only where something may stand before the texels.
-    const bool wants_depths = plan.keep_ids || !plan.dynamic.empty();
+    const bool wants_depths = plan.keep_ids || !plan.dynamic.empty() || may_have_layers(plan, tools);
     const farfield::PanoramaTarget target{.visibility = wants_depths ? &history.visibility : nullptr,
                                           .colors = image.pixels.data(),
                                           .color_stride = image.stride,
@@ -225,9 +226,9 @@ void look_up_panorama(const FramePlan& plan, const Tools& tools, const farfield:
 
 }  // namespace
 
-farfield::RayCaster& Casters::get(CasterKind kind) {
+farfield::RayCaster& Casters::get(CasterKind kind, double grid_cells_per_item) {
     auto& caster = casters_[std::size_t(kind)];
-    if (!caster) {
+    if (!caster || (kind == CasterKind::grid && grid_cells_per_item != grid_cells_per_item_)) {
         switch (kind) {
             case CasterKind::beam:
                 caster = farfield::make_beam_caster(scene_);
@@ -236,7 +237,8 @@ farfield::RayCaster& Casters::get(CasterKind kind) {
                 caster = farfield::make_embree_caster(scene_);
                 break;
             case CasterKind::grid:
-                caster = farfield::make_grid_caster(scene_);
+                caster = farfield::make_grid_caster(scene_, grid_cells_per_item);
+                grid_cells_per_item_ = grid_cells_per_item;
                 break;
         }
     }
@@ -245,22 +247,11 @@ farfield::RayCaster& Casters::get(CasterKind kind) {
 
 namespace {
 
-/// All passes but the last, at the size of the plan's view.
-FrameStats draw_view(const FramePlan& plan, const Tools& tools, FrameHistory& history, shading::Image& image) {
-    FrameStats stats;
-    history.fit(plan.view.width, plan.view.height);
+/// Every surface but transparent layers, each pixel by the cheapest source that is right.
+void draw_surfaces(const FramePlan& plan, const Tools& tools, FrameHistory& history, shading::Image& image,
+                   FrameStats& stats) {
     farfield::VisibilityBuffer& visibility = history.visibility;
     SourceMasks& sources = history.sources;
-    for (PixelMask* mask :
-         {&sources.near_field, &sources.sky, &sources.panorama, &sources.cast, &sources.dynamic, &sources.verified})
-        mask->reset(plan.view.width, plan.view.height);
-
-    if (plan.mode == Mode::raster || plan.mode == Mode::near) {
-        FF_CHECK(tools.near_renderer != nullptr, "mode raster needs OpenGL");
-        draw_by_rasteriser(plan, tools, history, image, stats);
-        stats.near_m = plan.near_m;
-        return stats;
-    }
 
     // Near field: what is close enough that triangles are cheaper than pixels.
     if (plan.rasterise) {
@@ -312,12 +303,13 @@ FrameStats draw_view(const FramePlan& plan, const Tools& tools, FrameHistory& hi
     // Casts: everything that nothing cheaper has answered.
     {
         const TimedPass timed(stats, Pass::cast);
-        const CastCost cost = tools.casters.get(plan.caster).cast_tiles(plan.view, *casts, visibility);
+        const CastCost cost =
+            tools.casters.get(plan.caster, plan.grid_cells_per_item).cast_tiles(plan.view, *casts, visibility);
         stats.rays += cost.rays;
         stats.nodes_visited += cost.nodes;
         stats.triangles_tested += cost.triangles;
         const std::uint64_t pixels = sources.cast.count();
-        stats.pixels.cast_miss = count_misses(*casts, visibility);
+        stats.pixels.cast_miss = farfield::count_sky(*casts, visibility);
         stats.pixels.cast_hit = pixels - stats.pixels.cast_miss;
     }
 
@@ -347,7 +339,30 @@ FrameStats draw_view(const FramePlan& plan, const Tools& tools, FrameHistory& hi
         collect_requests(history.all_tiles, others, history.to_store);
         history.panorama->store(plan.view, history.to_store, visibility, image.pixels, image.stride);
     }
+}
 
+/// All passes but the last, at the size of the plan's view.
+FrameStats draw_view(const FramePlan& plan, const Tools& tools, FrameHistory& history, shading::Image& image) {
+    FrameStats stats;
+    history.fit(plan.view.width, plan.view.height);
+    SourceMasks& sources = history.sources;
+    for (PixelMask* mask :
+         {&sources.near_field, &sources.sky, &sources.panorama, &sources.cast, &sources.dynamic, &sources.verified})
+        mask->reset(plan.view.width, plan.view.height);
+
+    if (plan.mode == Mode::raster || plan.mode == Mode::near) {
+        FF_CHECK(tools.near_renderer != nullptr, "mode raster needs OpenGL");
+        draw_by_rasteriser(plan, tools, history, image, stats);
+    } else {
+        if (plan.primitives_are_known)
+            draw_known_frame(plan, tools, history, image, stats);
+        else if (plan.mode == Mode::reproject)
+            draw_reprojected_frame(plan, tools, history, image, stats);
+        else
+            draw_surfaces(plan, tools, history, image, stats);
+        // Transparent layers, over everything and remembered by nothing.
+        if (may_have_layers(plan, tools)) blend_layers(plan, tools, history, image, stats);
+    }
     stats.near_m = plan.near_m;
     stats.ray_budget = plan.ray_budget;
     return stats;

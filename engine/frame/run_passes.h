@@ -17,11 +17,14 @@ namespace ff::frame {
 class Casters {
   public:
     explicit Casters(const scene::StaticScene& scene) : scene_(scene) {}
-    [[nodiscard]] farfield::RayCaster& get(CasterKind kind);
+    /// @param grid_cells_per_item  of a grid: another number than the last makes it anew
+    [[nodiscard]] farfield::RayCaster& get(CasterKind kind,
+                                           double grid_cells_per_item = farfield::kUsualGridCellsPerItem);
 
   private:
     const scene::StaticScene& scene_;
     std::array<std::unique_ptr<farfield::RayCaster>, 3> casters_;
+    double grid_cells_per_item_ = 0.0;  ///< of the grid that there is
 };
 
 /// What the passes draw with. `near_renderer` may be null where there is no OpenGL; plans then must not rasterise.
@@ -30,6 +33,7 @@ struct Tools {
     Casters& casters;
     const visibility::Culler& culler;
     DynamicOverlay& dynamic_overlay;
+    const farfield::LayerIndex& layer_index;
     nearfield::NearRenderer* near_renderer = nullptr;
 };
 

@@ -6,16 +6,26 @@
 
 #include "engine/budget/governor.h"
 #include "engine/farfield/panorama.h"
+#include "engine/farfield/ray_caster.h"
+#include "engine/farfield/reproject.h"
 
 namespace ff::frame {
 
 /// How whole frames are drawn; the tool's --mode.
 enum class Mode {
-    hybrid,   ///< this engine: near field, horizon, panorama, casts
-    raster,   ///< everything through OpenGL, frustum culled
-    raycast,  ///< every pixel through Embree
-    near,     ///< OpenGL with the far plane at the near distance
+    hybrid,     ///< this engine: near field, horizon, panorama, casts
+    raster,     ///< everything through OpenGL, frustum culled
+    raycast,    ///< every pixel through Embree
+    near,       ///< OpenGL with the far plane at the near distance
+    beam,       ///< every pixel below the horizon by tile beams
+    reproject,  ///< P3: the last frame's hits verified by one intersection, the rest cast
+    irsa,       ///< P3 7.3: each pixel's primitive is known beforehand, by a cast that no time counts; the bound of all
 };
+
+/// Whether a frame's visibility buffer holds the primitive of every pixel: no rasterised and no cached colours.
+[[nodiscard]] constexpr bool knows_primitives(Mode mode) {
+    return mode == Mode::raycast || mode == Mode::beam || mode == Mode::reproject || mode == Mode::irsa;
+}
 
 enum class CasterKind { beam, embree, grid };
 enum class OpacityKind { automatic, software, readback };
@@ -24,13 +34,19 @@ enum class OpacityKind { automatic, software, readback };
 struct FrameSettings {
     Mode mode = Mode::hybrid;
     CasterKind caster = CasterKind::beam;
+    float grid_cells_per_item = float(farfield::kUsualGridCellsPerItem);  ///< of CasterKind::grid; (0, 64]
     double budget_ms = 0.0;  ///< 0: no limit, every pixel is right; else accuracy is given up to keep it
     budget::WhenLate when_late = budget::WhenLate::coarser;  ///< which accuracy
     std::optional<double> fixed_near_m;                      ///< instead of the controller's choice; [0, inf)
     float max_parallax_px = 0.5f;  ///< a panorama texel is reused up to this predicted parallax. [0, 16]
     float prelit_beyond_m = std::numeric_limits<float>::infinity();  ///< P1 4.6; metres
+    /// Blended surfaces nearer to the eye than this are sorted and blended per pixel, farther ones are shown by
+    /// coverage. Metres along the ray, [0, inf); 0: all by coverage.
+    float blend_within_m = 60.0f;
     OpacityKind opacity = OpacityKind::automatic;
     float resolution = 1.0f;  ///< share of the image's sides that is drawn; enlarged to be shown. [0.25, 1]
+    farfield::ReprojectSettings reproject;           ///< mode reproject
+    CasterKind reproject_caster = CasterKind::beam;  ///< of tiles that it leaves; single pixels go to Embree
 
     bool use_panorama = true;
     /// Texels within max_parallax_px serve a viewer who moves, too, not only one who turns: P0's way, not exact.

@@ -30,6 +30,9 @@ struct PinholeView {
     int height = 0;
     float u_step = 0, u_first = 0;
     float v_step = 0, v_first = 0;
+    /// Blended surfaces nearer to the eye than this, metres along the ray, are transparent layers: whatever finds what
+    /// a pixel sees looks past them (farfield/alpha_test.h), and they are blended over it. 0: there are none.
+    float blend_within_m = 0;
 
     /// Ray direction of a pixel in world axes, |z_camera| = 1 (not unit length).
     [[nodiscard]] Vec3 direction(int x, int y) const {

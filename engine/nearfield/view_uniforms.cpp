@@ -16,7 +16,7 @@ ViewUniforms make_view_uniforms(const PinholeView& view) {
     uniforms.right = Vec4(right, view.u_step);
     uniforms.up = Vec4(up, view.v_step);
     uniforms.back = Vec4(back, view.pixel_angle());
-    uniforms.first = Vec4(view.u_first, view.v_first, 0.0f, 0.0f);
+    uniforms.first = Vec4(view.u_first, view.v_first, view.blend_within_m, 0.0f);
     return uniforms;
 }
 

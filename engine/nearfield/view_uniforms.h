@@ -18,7 +18,7 @@ struct ViewUniforms {
     Vec4 right{0.0f};   ///< camera's axes in the world; w: u_step
     Vec4 up{0.0f};      ///< w: v_step
     Vec4 back{0.0f};    ///< w: pixel angle
-    Vec4 first{0.0f};   ///< x: u_first, y: v_first
+    Vec4 first{0.0f};   ///< x: u_first, y: v_first, z: blend_within_m
 };
 static_assert(sizeof(ViewUniforms) == 7 * 16);
 

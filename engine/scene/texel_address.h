@@ -31,6 +31,32 @@ namespace ff::scene {
     return texel > 0.0f ? std::uint32_t(std::min(texel, float(size - 1))) : 0u;
 }
 
+/// The two texels around a coordinate along a side of `size` texels, a power of two.
+struct TexelPair {
+    std::uint32_t first, second;
+    float weight;  ///< of the second, [0, 1]
+};
+/// For any coordinate (what a NaN or inf gives is inside).
+[[nodiscard]] inline TexelPair texels_around(float coordinate, std::uint32_t size, Wrap wrap) {
+    float c = coordinate;
+    if (wrap == Wrap::repeat)
+        c -= std::floor(c);
+    else if (wrap == Wrap::mirror)
+        c -= 2.0f * std::floor(0.5f * c);
+    else
+        c = c > 0.0f ? std::min(c, 1.0f) : 0.0f;
+    if (!(c >= 0.0f)) c = 0.0f;
+    const float at = c * float(size) - 0.5f, below = std::floor(at);
+    const auto wrapped = [&](std::int32_t i) {
+        const auto last = std::int32_t(size) - 1;
+        if (wrap == Wrap::repeat) return std::uint32_t(i & last);
+        if (wrap == Wrap::clamp) return std::uint32_t(std::clamp(i, 0, last));
+        const std::int32_t phase = i & (2 * last + 1);
+        return std::uint32_t(std::min(phase, 2 * last + 1 - phase));
+    };
+    return {wrapped(std::int32_t(below)), wrapped(std::int32_t(below) + 1), at - below};
+}
+
 /// Index in StaticScene::texels of the texel nearest to uv on a level.
 [[nodiscard]] inline std::size_t texel_index(const Texture& texture, const Vec2& uv, std::uint32_t level) {
     const std::uint32_t width = std::max(1u, texture.width >> level), height = std::max(1u, texture.height >> level);

@@ -37,6 +37,36 @@ uvec2 caster_texel(vec2 texcoord, vec2 barycentrics) {
     return uvec2(wrap_texel(texcoord.x, size.x, wraps % 3), wrap_texel(texcoord.y, size.y, wraps / 3));
 }
 
+// Texel i along one side, which may lie one beyond either end. Sizes are powers of two.
+int wrap_index(int i, int size, int wrap) {
+    if (wrap == 0) return i & (size - 1);
+    if (wrap == 1) return clamp(i, 0, size - 1);
+    int phase = i & (2 * size - 1);
+    return min(phase, 2 * size - 1 - phase);
+}
+
+// Whether the four texels around the point have an alpha of 1: is_solid_at() of farfield/alpha_test.h.
+bool caster_is_filled(vec2 texcoord) {
+    int wraps = int(material.metallic_roughness.w);
+    if (wraps < 0) return true;
+    int level = int(caster_level(texcoord));
+    ivec2 size = textureSize(base_color_nearest, level), wrap = ivec2(wraps % 3, wraps / 3);
+    vec2 c = texcoord;
+    for (int axis = 0; axis < 2; ++axis) {
+        if (wrap[axis] == 0) c[axis] -= floor(c[axis]);
+        else if (wrap[axis] == 1) c[axis] = clamp(c[axis], 0.0, 1.0);
+        else c[axis] -= 2.0 * floor(0.5 * c[axis]);
+    }
+    ivec2 first = ivec2(floor(c * vec2(size) - 0.5));
+    float least = 1.0;
+    for (int corner = 0; corner < 4; ++corner) {
+        ivec2 i = first + ivec2(corner & 1, corner >> 1);
+        ivec2 texel = ivec2(wrap_index(i.x, size.x, wrap.x), wrap_index(i.y, size.y, wrap.y));
+        least = min(least, texelFetch(base_color_nearest, texel, level).a);
+    }
+    return least == 1.0;
+}
+
 // (0, 1], the same every time, and for every caster, for a texel of a triangle.
 float hashed_threshold(uint instance, uint triangle, uvec2 texel) {
     uint seed = instance * 0xC2B2AE3Du + triangle * 0x27D4EB2Fu;

@@ -27,6 +27,13 @@ void main() {
 #else
     float cutoff = material.emissive_cutoff.w;
 #endif
+#ifdef BLENDED
+    // Of a transparent layer only what is solid.
+    bool in_layer = length(vec3(ray_uv(gl_FragCoord.xy), 1.0)) < view.first.z * gl_FragCoord.w;
+    if (in_layer) {
+        if (v_alpha * material.base_color.a <= 1.0 - 0.5 / 255.0 || !caster_is_filled(v_texcoord)) discard;
+    } else
+#endif
     if (alpha < cutoff) discard;
 #endif
     ids = uvec2(v_ids.x, triangle);

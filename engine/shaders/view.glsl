@@ -6,7 +6,7 @@ layout(std140, binding = 0) uniform View {
     vec4 right;   // w: u_step
     vec4 up;      // w: v_step
     vec4 back;    // w: pixel angle
-    vec4 first;   // x: u_first, y: v_first
+    vec4 first;   // x: u_first, y: v_first, z: blended surfaces nearer than this are transparent layers, metres
 } view;
 
 // Reversed depth with an infinite far plane; y grows downwards.

@@ -26,6 +26,8 @@
     expect(all.options.scales.x.title.text.includes('ms'), 'the time does not change');
     press(get('logarithmic'));
     expect(all.options.scales.y.type === 'logarithmic', 'no logarithmic axis');
+    press(get('logarithmic-time'));
+    expect(all.options.scales.x.type === 'linear', 'the time stays logarithmic');
     choose(get('metric'), 0);
     const test = get('test'), source = test.src;
     expect(source.startsWith('data:image/jpeg;base64,'), 'no picture');

@@ -44,6 +44,27 @@ TEST(DebugView, a_shaded_picture_shows_through_the_sources) {
     EXPECT_EQ(image.pixels[1], source_colors()[std::size_t(PixelSource::panorama)].rgba);
 }
 
+TEST(DebugView, causes_have_the_colours_of_the_paper_and_the_dearest_tile_is_red) {
+    using farfield::PixelCause;
+    shading::Image image;
+    const std::vector<PixelCause> causes{PixelCause::verified, PixelCause::failed, PixelCause::resampled,
+                                         PixelCause::abrupt};
+    paint_causes(causes, 4, 1, 4, image);
+    const auto channel = [&](int x, int shift) { return image.pixels[std::size_t(x)] >> shift & 255u; };
+    EXPECT_GT(channel(0, 0), 2 * channel(0, 8)) << "red";
+    EXPECT_GT(channel(1, 8), 2 * channel(1, 0)) << "green";
+    EXPECT_EQ(image.pixels[2], 0xFFFFFFFFu);
+    EXPECT_GT(channel(3, 16), 2 * channel(3, 0)) << "blue";
+
+    const std::vector<std::uint64_t> work{0, 70, 7, 7};
+    paint_tile_work(work, 20, 32, image);
+    EXPECT_EQ(image.pixels[0], 0xFFFF0000u) << "nothing is blue";
+    EXPECT_EQ(image.pixels[16], 0xFF0000FFu) << "the most is red";
+    EXPECT_EQ(image.pixels[19], 0xFF0000FFu);
+    EXPECT_EQ(image.pixels[0], image.pixels[std::size_t(15 * image.stride)]);
+    EXPECT_NE(image.pixels[0], image.pixels[std::size_t(16 * image.stride)]);
+}
+
 TEST(DebugView, ages_run_from_blue_to_red_and_nothing_is_black) {
     const std::vector<std::uint16_t> ages{0, 30, 60, 1000, kNoAge};
     shading::Image image;

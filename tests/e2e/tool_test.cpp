@@ -117,11 +117,13 @@ TEST(Tool, all_modes_draw_the_same_picture) {
 }
 
 TEST(Tool, debug_views_are_written) {
-    for (const char* view : {"sources", "age", "border"}) {
+    for (const char* view : {"sources", "age", "border", "work", "causes"}) {
         const auto path = scratch() / (std::string(view) + ".png");
-        EXPECT_EQ(
-            run_ff("render " + hamlet() + " --walk turn --frame 20 --debug " + view + " -o " + path.string()).exit_code,
-            0);
+        const std::string mode = std::string(view) == "causes" ? "reproject" : "hybrid";
+        EXPECT_EQ(run_ff("render " + hamlet() + " --walk turn --mode " + mode + " --frame 20 --debug " + view + " -o " +
+                         path.string())
+                      .exit_code,
+                  0);
         EXPECT_GT(std::filesystem::file_size(path), 500u);
     }
 }
@@ -158,7 +160,7 @@ TEST(Tool, bench_prints_the_agreed_json) {
         for (const char* key : {"median", "mean", "p99", "max"})
             EXPECT_GT(one.at("frame_ms").at(key).get<double>(), 0.0);
         double percent = 0;
-        for (const char* key : {"near", "sky", "panorama", "cast_hit", "cast_miss"})
+        for (const char* key : {"near", "sky", "panorama", "verified", "cast_hit", "cast_miss"})
             percent += one.at("pixels_pct").at(key).get<double>();
         EXPECT_NEAR(percent, 100.0, 0.01) << mode;
         for (const char* key : {"rays_per_frame", "near_triangles_per_frame", "heap_allocations_per_frame"})
@@ -171,6 +173,30 @@ TEST(Tool, bench_prints_the_agreed_json) {
     EXPECT_GE(report.at("modes").at("hybrid").at("error").at("psnr_db_min").get<double>(), 32.0);
     EXPECT_TRUE(report.at("ratios").contains("raster/hybrid"));
     EXPECT_TRUE(report.at("ratios").contains("raycast/hybrid"));
+}
+
+TEST(Tool, bench_tells_visibility_from_shading_and_compares_primitives) {
+    const ProcessResult result = run_ff(
+        "bench " + hamlet() + " --walk street --modes orsa,beam,irsa,reproject --size 160x120 --laps 1 --frames 6");
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+    const json report = json::parse(result.out);
+    for (const char* mode : {"orsa", "beam", "irsa", "reproject"}) {
+        const json& one = report.at("modes").at(mode);
+        for (const char* part : {"visibility_ms", "shading_ms"})
+            for (const char* key : {"median", "p99"}) EXPECT_GT(one.at(part).at(key).get<double>(), 0.0) << mode;
+        EXPECT_LT(one.at("visibility_ms").at("median").get<double>(), one.at("frame_ms").at("median").get<double>());
+        EXPECT_EQ(one.at("error").at("wrong_pixels_by"), "primitive");
+        EXPECT_LT(one.at("error").at("wrong_pixels_pct").get<double>(), 0.5) << mode;
+    }
+    double percent = 0;
+    for (const char* cause : {"verified", "background", "failed", "resampled", "abrupt"})
+        percent += report.at("modes").at("reproject").at("causes_pct").at(cause).get<double>();
+    EXPECT_NEAR(percent, 100.0, 0.01);
+    EXPECT_GT(report.at("modes").at("beam").at("traversal_steps_per_ray").get<double>(), 0.0);
+    EXPECT_TRUE(report.at("modes").at("orsa").at("traversal_steps_per_ray").is_null());
+    for (const char* key :
+         {"orsa/beam", "beam/irsa", "visibility orsa/beam", "visibility beam/irsa", "orsa/reproject", "reproject/irsa"})
+        EXPECT_GT(report.at("ratios").at(key).get<double>(), 0.0) << key;
 }
 
 TEST(Tool, a_source_stands_where_a_pack_may) {

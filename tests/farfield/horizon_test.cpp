@@ -15,6 +15,7 @@ namespace ff::farfield {
 namespace {
 
 using test::make_valley_grid;
+using test::meets_bars;
 using test::OwnedHeightGrid;
 
 struct Random {
@@ -131,32 +132,6 @@ TEST(Horizon, calls_nothing_sky_where_it_knows_nothing) {
 }
 
 // ---- against rays ----------------------------------------------------------------------------------------------
-
-/// Columns of random heights as solid boxes over the grid's squares, some missing; a ray meets them exactly where it
-/// meets the bars.
-bool meets_bars(const OwnedHeightGrid& world, const WorldPos& eye, const DVec3& direction, double near_m) {
-    const scene::HeightGrid& grid = world.grid;
-    for (std::uint32_t z = 0; z < grid.size; ++z)
-        for (std::uint32_t x = 0; x < grid.size; ++x) {
-            const double height = double(grid.heights[std::size_t(z) * grid.size + x]) + grid.base_y;
-            if (!std::isfinite(height)) continue;
-            const double low[3] = {grid.low_x + x * grid.square_m, -1e9, grid.low_z + z * grid.square_m};
-            const double high[3] = {low[0] + grid.square_m, height, low[2] + grid.square_m};
-            double enter = near_m / std::max(1e-30, std::hypot(direction.x, direction.z)), leave = 1e30;
-            for (int axis = 0; axis < 3; ++axis) {
-                const double origin = eye[axis], step = direction[axis];
-                if (step == 0.0) {
-                    if (origin < low[axis] || origin > high[axis]) leave = -1.0;
-                    continue;
-                }
-                const double a = (low[axis] - origin) / step, b = (high[axis] - origin) / step;
-                enter = std::max(enter, std::min(a, b));
-                leave = std::min(leave, std::max(a, b));
-            }
-            if (enter <= leave) return true;
-        }
-    return false;
-}
 
 TEST(Horizon, no_pixel_that_a_ray_hits_is_called_sky_for_any_pitch_roll_and_eye) {
     std::uint64_t true_sky = 0, found_sky = 0;

@@ -1,6 +1,7 @@
 #pragma once
 // Height grids made in a line, with their max-mipmaps, for the horizon's tests and bench.
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -59,6 +60,32 @@ inline OwnedHeightGrid make_valley_grid(std::uint32_t size, double square_m, std
         }
     world.make_mips();
     return world;
+}
+
+/// Whether a ray meets the grid as solid bars from far below up to the height of each square.
+/// @param near_m  what is horizontally nearer does not count
+inline bool meets_bars(const OwnedHeightGrid& world, const WorldPos& eye, const DVec3& direction, double near_m) {
+    const scene::HeightGrid& grid = world.grid;
+    for (std::uint32_t z = 0; z < grid.size; ++z)
+        for (std::uint32_t x = 0; x < grid.size; ++x) {
+            const double height = double(grid.heights[std::size_t(z) * grid.size + x]) + grid.base_y;
+            if (!std::isfinite(height)) continue;
+            const double low[3] = {grid.low_x + x * grid.square_m, -1e9, grid.low_z + z * grid.square_m};
+            const double high[3] = {low[0] + grid.square_m, height, low[2] + grid.square_m};
+            double enter = near_m / std::max(1e-30, std::hypot(direction.x, direction.z)), leave = 1e30;
+            for (int axis = 0; axis < 3; ++axis) {
+                const double origin = eye[axis], step = direction[axis];
+                if (step == 0.0) {
+                    if (origin < low[axis] || origin > high[axis]) leave = -1.0;
+                    continue;
+                }
+                const double a = (low[axis] - origin) / step, b = (high[axis] - origin) / step;
+                enter = std::max(enter, std::min(a, b));
+                leave = std::min(leave, std::max(a, b));
+            }
+            if (enter <= leave) return true;
+        }
+    return false;
 }
 
 }  // namespace ff::test

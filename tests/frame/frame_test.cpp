@@ -4,6 +4,7 @@
 #include <random>
 
 #include "engine/core/jobs.h"
+#include "engine/farfield/visibility_difference.h"
 #include "engine/frame/renderer.h"
 #include "engine/shading/image_difference.h"
 #include "tests/support/worlds.h"
@@ -53,6 +54,48 @@ TEST_F(FrameTest, a_walking_hybrid_draws_what_raycast_draws) {
         raycast.draw(camera, {}, {.mode = Mode::raycast}, reference);
         EXPECT_GE(psnr_db(image, reference), 32.0) << "frame " << f;
     }
+}
+
+TEST_F(FrameTest, beams_and_known_primitives_draw_what_raycast_draws) {
+    for (const Mode mode : {Mode::beam, Mode::irsa}) {
+        Renderer renderer(scene, casters, nullptr, kWidth, kHeight);
+        Renderer raycast(scene, casters, nullptr, kWidth, kHeight);
+        shading::Image image, reference;
+        for (int f = 0; f < 6; ++f) {
+            Camera camera = street_camera(0.3 + 0.1 * f);
+            camera.position.z -= 0.5 * f;
+            const FrameStats& stats = renderer.draw(camera, {}, {.mode = mode}, image);
+            EXPECT_GT(mode == Mode::irsa ? stats.pixels.verified : stats.pixels.cast_hit, 0u);
+            EXPECT_EQ(stats.pixels.sky + stats.pixels.verified + stats.pixels.cast_hit + stats.pixels.cast_miss,
+                      std::uint64_t(kWidth * kHeight));
+            raycast.draw(camera, {}, {.mode = Mode::raycast}, reference);
+            EXPECT_LE(farfield::count_wrong_pixels(renderer.history().visibility, raycast.history().visibility), 3u)
+                << "mode " << int(mode) << ", frame " << f;
+        }
+    }
+}
+
+TEST_F(FrameTest, a_reprojecting_walker_verifies_most_pixels_and_draws_what_raycast_draws) {
+    Renderer renderer(scene, casters, nullptr, kWidth, kHeight);
+    Renderer raycast(scene, casters, nullptr, kWidth, kHeight);
+    shading::Image image, reference;
+    for (int f = 0; f < 20; ++f) {
+        Camera camera = street_camera(0.3 + 0.005 * f);
+        camera.position += world_from_camera(camera) * DVec3(0.0, 0.0, -0.03 * f);
+        const FrameStats& stats = renderer.draw(camera, {}, {.mode = Mode::reproject}, image);
+        const PixelCounts& pixels = stats.pixels;
+        EXPECT_EQ(pixels.sky + pixels.verified + pixels.cast_hit + pixels.cast_miss, std::uint64_t(kWidth * kHeight));
+        if (f > 0) {
+            EXPECT_GE(pixels.sky + pixels.verified, std::uint64_t(0.8 * kWidth * kHeight)) << "frame " << f;
+        }
+        raycast.draw(camera, {}, {.mode = Mode::raycast}, reference);
+        EXPECT_LE(farfield::count_wrong_pixels(renderer.history().visibility, raycast.history().visibility),
+                  std::uint64_t(0.005 * kWidth * kHeight))
+            << "frame " << f;
+    }
+    // Another mode in between leaves nothing to reproject, or something that is right.
+    renderer.draw(street_camera(1.0), {}, {}, image);
+    EXPECT_EQ(renderer.draw(street_camera(1.0), {}, {.mode = Mode::reproject}, image).pixels.verified, 0u);
 }
 
 TEST_F(FrameTest, a_turning_hybrid_reuses_most_pixels_and_stays_close_to_raycast) {

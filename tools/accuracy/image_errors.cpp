@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "engine/core/check.h"
+#include "engine/farfield/visibility_difference.h"
 
 namespace ff::accuracy {
 namespace {
@@ -30,12 +31,6 @@ Plane product(const Plane& a, const Plane& b) {
     Plane result = a;
     for (std::size_t i = 0; i < result.values.size(); ++i) result.values[i] *= b.values[i];
     return result;
-}
-
-bool same_place(float a, float b) {
-    constexpr float kTie = 1e-4f;
-    if (a == b) return true;  // both infinite, too
-    return std::abs(a - b) <= kTie * std::min(a, b);
 }
 
 }  // namespace
@@ -94,7 +89,7 @@ VisibilityError compare_visibility(const farfield::VisibilityBuffer& test, const
                 return exact.instance[there] == test.instance[here] &&
                        (test.instance[here] == farfield::kSkyInstance || exact.triangle[there] == test.triangle[here]);
             };
-            if (shows_it(here) || same_place(test.depth[here], exact.depth[here])) {
+            if (!farfield::is_wrong_pixel(test, exact, here)) {
                 ++histogram[0];
                 continue;
             }

@@ -40,14 +40,29 @@ std::vector<double> sorted_times(const Trial& trial) {
     return times;
 }
 
-void time_lap(const Bench& bench, Trial& trial, shading::Image& image) {
-    trial.renderer->reset();
+/// Draws one segment of the schedule: the frames from `first` up to the next segment's.
+/// @return where that begins
+std::size_t time_segment(const Bench& bench, std::size_t first, Trial& trial, shading::Image& image) {
     std::size_t counted = 0;
-    for (const ScheduledFrame& f : bench.frames) {
+    for (std::size_t i = 0; i < first; ++i) counted += bench.frames[i].counted;
+    std::size_t i = first;
+    do {
+        const ScheduledFrame& f = bench.frames[i];
         const auto& stats =
             trial.renderer->draw(bench.scene.walk.camera(f.walk_frame), bench.scene.dynamic, trial.settings, image);
         if (f.counted) trial.frame_ms[counted++].push_back(stats.frame_ms);
-    }
+    } while (++i < bench.frames.size() && !bench.frames[i].first);
+    return i;
+}
+
+/// A lap of all trials, segment by segment, so that all meet the same bursts of other processes; nobody is always
+/// first.
+void time_lap(const Bench& bench, std::size_t lap, std::vector<Trial>& trials) {
+    shading::Image image;
+    for (Trial& trial : trials) trial.renderer->reset();
+    for (std::size_t first = 0, next = 0, turn = lap; first < bench.frames.size(); first = next, ++turn)
+        for (std::size_t i = 0; i < trials.size(); ++i)
+            next = time_segment(bench, first, trials[(i + turn) % trials.size()], image);
 }
 
 /// What a smaller visibility buffer says about each pixel of a larger image.
@@ -135,12 +150,10 @@ Result<std::vector<Point>> measure(const Bench& bench, std::span<const KnobSetti
         trials.push_back(make_trial(bench, turned));
     }
     Progress progress(title, trials.size() * std::size_t(bench.laps) + settings.size());
-    shading::Image image;
-    for (int lap = 0; lap < bench.laps; ++lap)
-        for (std::size_t i = 0; i < trials.size(); ++i) {
-            time_lap(bench, trials[(i + std::size_t(lap)) % trials.size()], image);
-            progress.advance();
-        }
+    for (int lap = 0; lap < bench.laps; ++lap) {
+        time_lap(bench, std::size_t(lap), trials);
+        progress.advance(trials.size());
+    }
 
     std::vector<Point> points(settings.size());
     ErrorLap error_lap(bench);

@@ -55,7 +55,7 @@ struct Bench {
     int laps = 3;
 };
 
-/// Measures each of the settings, all in turn with exact frames: lap by lap, nobody always first.
+/// Measures each of the settings, all in turn with exact frames, segment by segment of the schedule.
 /// @param title  of the progress bar
 /// Errors: no such knob, or a value that it does not have.
 Result<std::vector<Point>> measure(const Bench& bench, std::span<const KnobSettings> settings,

@@ -15,7 +15,7 @@ struct Effort {
     int pairs = 10;           ///< pairs of knobs that are tried together
 };
 inline constexpr Effort kThorough{};
-inline constexpr Effort kQuick{.segments = 2, .warm_up_frames = 3, .counted_frames = 5, .laps = 1, .pairs = 3};
+inline constexpr Effort kQuick{.segments = 2, .warm_up_frames = 2, .counted_frames = 4, .laps = 3, .pairs = 3};
 
 /// One frame that is drawn.
 struct ScheduledFrame {

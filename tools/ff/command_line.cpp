@@ -1,17 +1,16 @@
 #include <CLI/CLI.hpp>
+#include <cmath>
 #include <cstdio>
+#include <cstdlib>
 
 #include "engine/core/jobs.h"
 #include "engine/core/log.h"
 #include "tools/ff/commands.h"
+#include "tools/ff/modes.h"
 
 namespace ff::tool {
 namespace {
 
-const std::map<std::string, frame::Mode> kModes{{"hybrid", frame::Mode::hybrid},
-                                                {"raster", frame::Mode::raster},
-                                                {"raycast", frame::Mode::raycast},
-                                                {"near", frame::Mode::near}};
 const std::map<std::string, budget::WhenLate> kWhenLate{{"coarser", budget::WhenLate::coarser},
                                                         {"stale", budget::WhenLate::stale}};
 const std::map<std::string, frame::CasterKind> kCasters{
@@ -29,6 +28,59 @@ std::string parse_size(const std::string& text, ImageSize& size) {
         return "--size: '" + text + "' is not WIDTHxHEIGHT with both from 16 to 8192, as 640x480";
     size = {width, height};
     return {};
+}
+
+/// CLI::Range lets not-a-number pass, which is neither below nor above.
+CLI::Validator number_in(double low, double high) {
+    return CLI::Range(low, high) & CLI::Validator(
+                                       [](const std::string& text) {
+                                           return std::isnan(std::strtod(text.c_str(), nullptr))
+                                                      ? "'" + text + "' is not a number"
+                                                      : std::string();
+                                       },
+                                       "");
+}
+
+/// A check of mode reproject, or another part of it, by the name that --reproject-without takes.
+void switch_off(const std::string& part, farfield::ReprojectSettings& settings) {
+    if (part == "frustum") settings.check_view_frustum = false;
+    if (part == "occlusion") settings.check_occlusion = false;
+    if (part == "resampling") settings.resample_period = 0;
+    if (part == "abrupt") settings.check_abrupt = false;
+    if (part == "background") settings.use_background = false;
+    if (part == "vote") settings.vote = farfield::Vote::any;
+}
+
+const std::map<std::string, farfield::Vote> kVotes{
+    {"surface", farfield::Vote::surface}, {"primitive", farfield::Vote::primitive}, {"any", farfield::Vote::any}};
+
+void add_reproject_options(CLI::App& app, frame::FrameSettings& settings) {
+    app.add_option_function<std::vector<std::string>>(
+           "--reproject-without",
+           [&settings](const std::vector<std::string>& parts) {
+               for (const std::string& part : parts) switch_off(part, settings.reproject);
+           },
+           "Mode reproject without some of its checks: frustum,occlusion,resampling,abrupt,background,vote")
+        ->delimiter(',')
+        ->check(CLI::IsMember({"frustum", "occlusion", "resampling", "abrupt", "background", "vote"}));
+    app.add_option("--reproject-count", settings.reproject.min_count,
+                   "Points around a pixel that must vote for its hit (P3's m_cnt)")
+        ->check(CLI::Range(0, 9));
+    app.add_option("--reproject-vote", settings.reproject.vote,
+                   "Whose points vote: those on the hit's surface, on its primitive, or any")
+        ->transform(CLI::CheckedTransformer(kVotes, CLI::ignore_case).description(""));
+    app.add_option("--reproject-surface", settings.reproject.surface_share,
+                   "Depths within this share of each other are one surface")
+        ->check(CLI::Range(0.0, 1.0));
+    app.add_option("--reproject-period", settings.reproject.resample_period,
+                   "Frames in which each pixel is cast at least once; 0: never")
+        ->check(CLI::Range(0, 64));
+    app.add_option("--reproject-block", settings.reproject.resample_block_px,
+                   "Pixels that are cast for it lie in blocks of this side")
+        ->check(CLI::IsMember({1, 2, 4, 8, 16}));
+    app.add_option("--reproject-caster", settings.reproject_caster,
+                   "Who casts the tiles that mode reproject leaves: beam, embree or grid; single pixels go to Embree")
+        ->transform(CLI::CheckedTransformer(kCasters, CLI::ignore_case).description(""));
 }
 
 /// What is drawn, how large and by how many threads.
@@ -52,11 +104,12 @@ void add_view_options(CLI::App& app, ViewOptions& view, bool with_mode) {
     add_scene_options(app, view);
     auto& settings = view.frame;
     if (with_mode)
-        app.add_option("--mode", settings.mode, "How frames are drawn: hybrid, raster, raycast or near")
-            ->transform(CLI::CheckedTransformer(kModes, CLI::ignore_case).description(""));
+        app.add_option("--mode", settings.mode,
+                       "How frames are drawn: hybrid, raster, raycast (= orsa), near, beam, reproject or irsa")
+            ->transform(CLI::CheckedTransformer(mode_names(), CLI::ignore_case).description(""));
     app.add_option("--budget-ms", settings.budget_ms,
                    "Keep frames within this time by giving up accuracy; 0: exact frames")
-        ->check(CLI::Range(0.0, 1e5));
+        ->check(number_in(0.0, 1e5));
     app.add_option(
            "--when-late", settings.when_late,
            "What gives where the budget is short: coarser (the picture is drawn smaller) or stale (old texels of "
@@ -66,23 +119,27 @@ void add_view_options(CLI::App& app, ViewOptions& view, bool with_mode) {
         ->transform(CLI::CheckedTransformer(kCasters, CLI::ignore_case).description(""));
     app.add_option("--near-m", settings.fixed_near_m,
                    "Near distance in metres instead of the controller's choice; 0: no near field")
-        ->check(CLI::Range(0.0, 1e6));
+        ->check(number_in(0.0, 1e6));
     app.add_option("--max-parallax-px", settings.max_parallax_px,
                    "A panorama texel is reused up to this predicted parallax")
-        ->check(CLI::Range(0.0, 16.0));
+        ->check(number_in(0.0, 16.0));
     app.add_option("--prelit-beyond-m", settings.prelit_beyond_m, "Beyond this depth triangles have one prelit colour")
-        ->check(CLI::Range(0.0, 1e9));
+        ->check(number_in(0.0, 1e9));
+    app.add_option("--blend-within-m", settings.blend_within_m,
+                   "Blended surfaces nearer than this are sorted per pixel, farther ones shown by coverage; 0: all")
+        ->check(number_in(0.0, 1e6));
     app.add_option("--opacity", settings.opacity, "Opacity buffer: auto, software or readback")
         ->transform(CLI::CheckedTransformer(kOpacityKinds, CLI::ignore_case).description(""));
+    add_reproject_options(app, settings);
     app.add_flag("--no-panorama{false}", settings.use_panorama, "Never reuse the panoramic cache");
     app.add_flag("--no-occlusion{false}", view.use_occlusion, "Draw near instances that others hide, too");
     app.add_flag("--no-horizon{false}", settings.use_horizon, "Cast sky pixels like all others");
     app.add_option("--max-error-px", view.max_error_px,
                    "Take the fastest settings that 'ff accuracy' measured to be off by so many pixels at most")
-        ->check(CLI::Range(0.0, 1e3));
+        ->check(number_in(0.0, 1e3));
     app.add_option("--min-psnr", view.min_psnr_db,
                    "Likewise: with at least so many dB against exact frames, in the worst frame")
-        ->check(CLI::Range(0.0, 99.0));
+        ->check(number_in(0.0, 99.0));
     app.add_flag("--deterministic", settings.deterministic, "Decide from recorded costs instead of measured ones");
 }
 
@@ -114,8 +171,9 @@ int run(int argc, const char* const* argv) {
     auto* render_app = app.add_subcommand("render", "Draw one frame of a walkthrough into an image");
     add_view_options(*render_app, render.view, true);
     render_app->add_option("--frame", render.frame, "Frame of the walkthrough, from 0")->check(CLI::Range(0, 1000000));
-    render_app->add_option("--debug", render.debug_view, "Draw a debug view instead: sources, age or border")
-        ->check(CLI::IsMember({"sources", "age", "border"}));
+    render_app
+        ->add_option("--debug", render.debug_view, "Draw a debug view instead: sources, age, border, causes or work")
+        ->check(CLI::IsMember({"sources", "age", "border", "causes", "work"}));
     render_app->add_option("-o,--output", render.output, "Image to write (.png, .exr, .jpg ...)")->required();
 
     WalkOptions walk;
@@ -133,12 +191,20 @@ int run(int argc, const char* const* argv) {
     bench.modes = {"hybrid", "raster", "raycast", "near"};
     auto* bench_app = app.add_subcommand("bench", "Time the modes lap by lap and print one JSON object");
     add_view_options(*bench_app, bench.view, false);
-    bench_app->add_option("--modes", bench.modes, "Modes to compare: hybrid,raster,raycast,near")
+    bench_app
+        ->add_option("--modes", bench.modes, "Modes to compare: hybrid,raster,raycast,near,beam,orsa,reproject,irsa")
         ->delimiter(',')
-        ->check(CLI::IsMember(kModes));
+        ->check(CLI::IsMember(mode_names()));
     bench_app->add_option("--laps", bench.laps, "Laps of each mode")->check(CLI::Range(1, 1000))->capture_default_str();
     bench_app->add_option("--frames", bench.max_frames, "Only the first N frames of the walk; 0: all")
         ->check(CLI::Range(0, 1000000));
+
+    HardcasesOptions hardcases;
+    auto* hardcases_app = app.add_subcommand("hardcases", "Run the hard cases against their oracles and print a table");
+    hardcases_app->add_option("--case", hardcases.name, "Only this case, or those of a group: its name up to the dot");
+    hardcases_app->add_option("--instances", hardcases.instances, "Instances of each case; 0: those of a full run");
+    hardcases_app->add_option("--seed", hardcases.seed, "Seed of the random instances")->capture_default_str();
+    hardcases_app->add_flag("--json", hardcases.json, "Print one JSON object on stdout");
 
     AccuracyOptions accuracy;
     auto* accuracy_app = app.add_subcommand(
@@ -167,6 +233,7 @@ int run(int argc, const char* const* argv) {
     if (*render_app) status = with_workers(render.view.threads, [&] { return run_render(render); });
     if (*walk_app) status = with_workers(walk.view.threads, [&] { return run_walk(walk); });
     if (*bench_app) status = with_workers(bench.view.threads, [&] { return run_bench(bench); });
+    if (*hardcases_app) status = run_hardcases(hardcases);
     if (*accuracy_app) status = with_workers(accuracy.view.threads, [&] { return run_accuracy(accuracy); });
     if (status) return 0;
     log_line("ff: error: ", status.error().message);

@@ -1,6 +1,7 @@
 #pragma once
 // The tool's subcommands, each a function from its options to a Status; the command line is read in command_line.cpp.
 
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -70,6 +71,15 @@ struct BenchOptions {
     int max_frames = 0;  ///< 0: the whole walk
 };
 Status run_bench(const BenchOptions& options);
+
+struct HardcasesOptions {
+    std::string name;             ///< of a case, or of a group of them: what stands before the dot; empty: all
+    std::uint64_t instances = 0;  ///< of each case; 0: those of a full run
+    std::uint32_t seed = 1;
+    bool json = false;
+};
+/// Fails where a case exceeds its stated bound.
+Status run_hardcases(const HardcasesOptions& options);
 
 struct AccuracyOptions {
     ViewOptions view;

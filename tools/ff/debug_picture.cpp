@@ -22,6 +22,8 @@ std::pair<int, int> drawn_pixel(const frame::FrameHistory& history, const shadin
 std::vector<PixelSource> pixel_sources(const frame::FrameHistory& history, const shading::Image& image) {
     std::vector<PixelSource> codes(image.pixels.size(), PixelSource::cast_hit);
     const frame::SourceMasks& masks = history.sources;
+    const bool was_reprojected = history.last_mode == frame::Mode::reproject && history.reprojection;
+    const auto* causes = was_reprojected ? &history.reprojection->causes() : nullptr;
     for (int row = 0; row < image.height; ++row)
         for (int column = 0; column < image.width; ++column) {
             PixelSource& code = codes[std::size_t(row) * std::size_t(image.stride) + std::size_t(column)];
@@ -32,6 +34,8 @@ std::vector<PixelSource> pixel_sources(const frame::FrameHistory& history, const
                 code = PixelSource::sky;
             else if (masks.panorama.test(x, y))
                 code = PixelSource::panorama;
+            else if (was_reprojected && causes->at(x, y) == farfield::PixelCause::verified)
+                code = PixelSource::verified;
             else if (history.visibility.instance[history.visibility.index(x, y)] == farfield::kSkyInstance)
                 code = PixelSource::cast_miss;
         }
@@ -54,9 +58,35 @@ void paint_texel_ages(const frame::Renderer& renderer, shading::Image& image) {
     debug::paint_ages(ages, image.width, image.height, image.stride, kOldFrames, image);
 }
 
+void paint_causes(const frame::Renderer& renderer, shading::Image& image) {
+    const frame::FrameHistory& history = renderer.history();
+    std::vector<farfield::PixelCause> causes(image.pixels.size(), farfield::PixelCause::failed);
+    const bool was_reprojected = history.last_mode == frame::Mode::reproject && history.reprojection &&
+                                 history.reprojection->causes().failed.width == image.width;
+    for (int y = 0; y < image.height && was_reprojected; ++y)
+        for (int x = 0; x < image.width; ++x)
+            causes[std::size_t(y) * std::size_t(image.stride) + std::size_t(x)] =
+                history.reprojection->causes().at(x, y);
+    debug::paint_causes(causes, image.width, image.height, image.stride, image);
+}
+
+/// Casts the view once more, a tile at a time.
+void paint_beam_work(const frame::Renderer& renderer, frame::Casters& casters, shading::Image& image) {
+    const PinholeView& view = renderer.plan().view;
+    farfield::RayCaster& caster = casters.get(frame::CasterKind::beam);
+    farfield::VisibilityBuffer visibility;
+    visibility.resize(view.width, view.height);
+    std::vector<std::uint64_t> work;
+    for (const farfield::TileRequest& tile : renderer.history().all_tiles) {
+        const farfield::CastCost cost = caster.cast_tiles(view, std::span(&tile, 1), visibility);
+        work.push_back(cost.nodes + cost.triangles);
+    }
+    debug::paint_tile_work(work, view.width, view.height, image);
+}
+
 }  // namespace
 
-void draw_debug_view(DebugView view, const frame::Renderer& renderer, shading::Image& image) {
+void draw_debug_view(DebugView view, const frame::Renderer& renderer, frame::Casters& casters, shading::Image& image) {
     switch (view) {
         case DebugView::none:
             return;
@@ -68,6 +98,10 @@ void draw_debug_view(DebugView view, const frame::Renderer& renderer, shading::I
         }
         case DebugView::age:
             return paint_texel_ages(renderer, image);
+        case DebugView::causes:
+            return paint_causes(renderer, image);
+        case DebugView::work:
+            return paint_beam_work(renderer, casters, image);
         case DebugView::border:
             return debug::draw_near_border(pixel_sources(renderer.history(), image), image);
     }

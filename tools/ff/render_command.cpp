@@ -26,11 +26,13 @@ Status run_render(const RenderOptions& options) {
         renderer->draw(session->walk().camera(f), session->dynamic(), session->settings(), image);
     const frame::FrameStats& stats =
         renderer->draw(session->walk().camera(last), session->dynamic(), session->settings(), image);
+    FF_TRY(renderer->refusal());
     log_info("frame {} in {:.1f} ms: {} pixels near, {} sky, {} panorama, {} cast and hit, {} cast and missed",
              options.frame, stats.frame_ms, stats.pixels.near_field, stats.pixels.sky, stats.pixels.panorama,
              stats.pixels.cast_hit, stats.pixels.cast_miss);
     for (std::size_t i = 0; i < kDebugViewNames.size(); ++i)
-        if (options.debug_view == kDebugViewNames[i]) draw_debug_view(DebugView(i), *renderer, image);
+        if (options.debug_view == kDebugViewNames[i])
+            draw_debug_view(DebugView(i), *renderer, session->casters(), image);
     return write_image(options.output, image);
 }
 

@@ -21,6 +21,7 @@ nlohmann::json to_json(const frame::FrameStats& stats) {
             {"rays", stats.rays},
             {"near_triangles", stats.near_triangles},
             {"shaded_pixels", stats.shaded_pixels},
+            {"layers", stats.layers},
             {"near_m", std::isfinite(stats.near_m) ? nlohmann::json(stats.near_m) : nlohmann::json(nullptr)},
             {"panorama_parallax_px", {{"p99", stats.parallax_p99_px}, {"max", stats.parallax_max_px}}}};
 }

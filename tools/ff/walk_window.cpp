@@ -8,6 +8,7 @@
 #include "engine/core/log.h"
 #include "engine/core/stopwatch.h"
 #include "engine/core/write_file.h"
+#include "engine/loop/fixed_step.h"
 #include "engine/loop/free_camera.h"
 #include "engine/nearfield/near_renderer.h"
 #include "engine/platform/window.h"
@@ -21,6 +22,7 @@ namespace {
 using platform::Key;
 
 constexpr std::size_t kGraphFrames = 240;
+constexpr int kRecordHz = 60;  ///< frames a second of what the player records
 
 bool takes_over(const platform::InputState& input) {
     for (const Key key : {Key::w, Key::a, Key::s, Key::d, Key::e, Key::q, Key::up, Key::down, Key::left, Key::right})
@@ -57,7 +59,9 @@ class Walker {
             loop::move_free_camera(input, dt, {}, camera_);
         }
         if (input.pressed(Key::r)) toggle_recording();
-        if (recording_) recorded_.frames.push_back(frame_of(camera_));
+        // However fast the window draws, the recording plays as fast as it was walked.
+        const int ticks = record_step_.advance(std::llround(1e9 * dt));
+        if (recording_) recorded_.frames.insert(recorded_.frames.end(), std::size_t(ticks), frame_of(camera_));
         return camera_;
     }
 
@@ -79,7 +83,7 @@ class Walker {
   private:
     void toggle_recording() {
         if (recording_) return stop_recording();
-        recorded_ = {.name = "recorded", .fov_deg = walk_.fov_deg, .rate_hz = walk_.rate_hz};
+        recorded_ = {.name = "recorded", .fov_deg = walk_.fov_deg, .rate_hz = kRecordHz};
         recording_ = true;
         log_info("recording; R again ends it");
     }
@@ -89,6 +93,7 @@ class Walker {
     Camera camera_;
     double time_ = 0.0;
     bool playing_ = true, recording_ = false;
+    loop::FixedStep record_step_{{.ticks_per_second = kRecordHz}};
     scene::Walk recorded_;
 };
 
@@ -141,9 +146,10 @@ Status walk_in_window(const WalkOptions& options) {
                 std::make_unique<frame::Renderer>(world->scene(), casters, &near_renderer, size.width, size.height);
         }
         const frame::FrameStats& stats = renderer->draw(camera, dynamic, settings, image);
+        FF_TRY(renderer->refusal());
         if (input.pressed(Key::f1)) show_overlay = !show_overlay;
         if (input.pressed(Key::f2)) debug_view = (debug_view + 1) % int(kDebugViewNames.size());
-        draw_debug_view(DebugView(debug_view), *renderer, image);
+        draw_debug_view(DebugView(debug_view), *renderer, casters, image);
         FF_TRY(near_renderer.present(image, size.width, size.height));
         std::rotate(recent_ms.begin(), recent_ms.begin() + 1, recent_ms.end());
         recent_ms.back() = float(stats.frame_ms);

@@ -19,7 +19,7 @@ const times = [
 ];
 const palette = ['#1d6fb8', '#d1495b', '#2e8b57', '#b8860b', '#7b5ea7', '#00889b', '#c2571a', '#8a8d3a', '#b0457b',
   '#4a6fa5', '#6b8e23', '#a0522d', '#5f9ea0', '#9370db', '#cd853f', '#708090'];
-const state = {metric: metrics[0], time: times[0], logarithmic: false};
+const state = {metric: metrics[0], time: times[0], logarithmic: false, logarithmicTime: true};
 const charts = [];
 
 function add(parent, tag, text, className) {
@@ -92,6 +92,7 @@ function refresh() {
   for (const chart of charts) {
     chart.data.datasets.forEach((set, i) => { set.data = chart.measured[i].map(place); });
     chart.options.scales.x.title.text = state.time.name;
+    chart.options.scales.x.type = state.logarithmicTime && chart.canvas.id === 'all' ? 'logarithmic' : 'linear';
     const y = chart.options.scales.y;
     y.title.text = state.metric.name;
     // Where nothing differs, say so by a flat line in the middle instead of magnified rounding.
@@ -192,6 +193,7 @@ choices(element('case'), data.cases.map((c) => c.title));
 element('metric').addEventListener('change', (e) => { state.metric = metrics[e.target.value]; refresh(); });
 element('time').addEventListener('change', (e) => { state.time = times[e.target.value]; refresh(); });
 element('logarithmic').addEventListener('change', (e) => { state.logarithmic = e.target.checked; refresh(); });
+element('logarithmic-time').addEventListener('change', (e) => { state.logarithmicTime = e.target.checked; refresh(); });
 element('case').addEventListener('change', showCase);
 element('map').addEventListener('change', showCase);
 element('slider').addEventListener('input', moveDivider);

@@ -1,0 +1,83 @@
+#include "engine/farfield/reproject.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
+
+#include "engine/core/check.h"
+#include "engine/core/jobs.h"
+#include "engine/farfield/reproject_points.h"
+#include "engine/farfield/reproject_splat.h"
+
+namespace ff::farfield {
+namespace {
+
+constexpr std::size_t kRowsPerTask = 16;
+constexpr std::size_t kColumnsPerTask = 64;
+
+/// P3 4.1: whether what the eye sees may have been outside of the last image though it stands before nothing new. The
+/// last eye itself counts as inside.
+bool is_inside_frustum(const WorldPos& eye, const PinholeView& view) {
+    const DVec3 moved = eye - view.position;
+    const DVec3 camera = glm::transpose(DMat3(view.world_from_camera)) * moved;
+    if (camera == DVec3(0.0)) return true;
+    const double forward = -camera.z;
+    const double x = (camera.x - double(view.u_first) * forward) / double(view.u_step);
+    const double y = (camera.y - double(view.v_first) * forward) / double(view.v_step);
+    return forward > 0.0 && x >= 0.0 && x <= view.width * forward && y >= 0.0 && y <= view.height * forward;
+}
+
+}  // namespace
+
+void AuxiliaryImage::resize(int new_width, int new_height) {
+    if (width == new_width && height == new_height) return;
+    width = new_width;
+    height = new_height;
+    stride = (width + kTileSize - 1) / kTileSize * kTileSize + 2 * kBorder;
+    rows = (height + kTileSize - 1) / kTileSize * kTileSize + 2;
+    const auto count = std::size_t(stride) * std::size_t(rows);
+    instance.assign(count, kEmpty);
+    triangle.assign(count, 0);
+    depth.assign(count, 0.0f);
+}
+
+void ReprojectedPoints::resize(const VisibilityBuffer& like) {
+    if (target.size() == like.instance.size() && first_target.size() == std::size_t(like.height)) return;
+    target.assign(like.instance.size(), kOutside);
+    for (auto* values : {&depth, &down}) values->assign(like.instance.size(), 0.0f);
+    first_target.assign(std::size_t(like.height), 0);
+    last_target.assign(std::size_t(like.height), 0);
+}
+
+PixelCause Reprojection::Causes::at(int x, int y) const {
+    if (verified.test(x, y)) return PixelCause::verified;
+    if (background.test(x, y)) return PixelCause::background;
+    if (resampled.test(x, y)) return PixelCause::resampled;
+    return abrupt.test(x, y) ? PixelCause::abrupt : PixelCause::failed;
+}
+
+bool Reprojection::reproject(const PinholeView& last_view, const VisibilityBuffer& last, const PinholeView& view,
+                             const ReprojectSettings& settings) {
+    FF_CHECK(last_view.width == view.width && last_view.height == view.height && last.width == view.width &&
+                 last.height == view.height,
+             "a view of {}x{} after one of {}x{} in a buffer of {}x{}", view.width, view.height, last_view.width,
+             last_view.height, last.width, last.height);
+    FF_CHECK(view.width <= 16384, "a view {} pixels wide", view.width);
+    if (settings.check_view_frustum && !is_inside_frustum(view.position, last_view)) return false;
+    points_.resize(last);
+    auxiliary_.resize(view.width, view.height);
+    using namespace reprojection;
+    const PointsJob job(last_view, last, view, settings, std::uint32_t(scene_.instances.size()), auxiliary_);
+    parallel_ranges(std::size_t(last.height), kRowsPerTask,
+                    [&](std::size_t begin, std::size_t end) { project_rows(job, int(begin), int(end), points_); });
+    if (job.check_order)
+        parallel_ranges(std::size_t(last.stride), kColumnsPerTask,
+                        [&](std::size_t begin, std::size_t end) { check_columns(job, int(begin), int(end), points_); });
+    parallel_ranges(std::size_t(auxiliary_.rows), kRowsPerTask, [&](std::size_t begin, std::size_t end) {
+        fill_rows(last, points_, int(begin), int(end), auxiliary_);
+    });
+    return true;
+}
+
+}  // namespace ff::farfield

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "engine/farfield/ray_caster.h"
+
+namespace ff::farfield {
+
+/// Casts what a reprojection leaves: blocks that are due, and single pixels strewn over other tiles. A tile caster
+/// takes the tiles of which much is asked; the walk that it makes for few pixels of a tile costs more than a packet of
+/// neighbours from several tiles does.
+/// @param few   answers the tiles of which little is asked
+/// @param much  answers the others; may be the same
+/// @param scratch_few, scratch_much  overwritten
+CastCost cast_left_over(RayCaster& few, RayCaster& much, const PinholeView& view, std::span<const TileRequest> left,
+                        std::vector<TileRequest>& scratch_few, std::vector<TileRequest>& scratch_much,
+                        VisibilityBuffer& out);
+
+}  // namespace ff::farfield

@@ -1,0 +1,188 @@
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "engine/farfield/reproject_votes.cpp"
+#include <hwy/foreach_target.h>  // must come before highway.h
+#include <hwy/highway.h>
+
+#include <bit>
+
+#include "engine/farfield/reproject_votes.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace ff::farfield::reprojection {
+namespace HWY_NAMESPACE {
+namespace {
+namespace hn = hwy::HWY_NAMESPACE;
+
+using U = hn::CappedTag<std::uint32_t, 16>;
+using F = hn::RebindToFloat<U>;
+using I = hn::RebindToSigned<U>;
+constexpr U ui;
+constexpr F f;
+constexpr I si;
+constexpr int kLanes = int(hn::MaxLanes(ui));
+
+HWY_INLINE std::uint32_t bits_of(hn::Mask<U> mask) {
+    std::uint8_t bytes[8] = {};
+    hn::StoreMaskBits(ui, mask, bytes);
+    return kLanes > 8 ? std::uint32_t(bytes[0] | bytes[1] << 8) : std::uint32_t(bytes[0]);
+}
+
+}  // namespace
+
+void ReadTile(const AuxiliaryImage& auxiliary, int x, int y, Landed& landed, PrimitiveSet& primitives) {
+    for (int j = 0; j < kTileSize + 2; ++j) {
+        const std::size_t first = auxiliary.index(x, y + j - 1);
+        const std::uint32_t *const instance = auxiliary.instance.data() + first, *const triangle =
+                                                                                     auxiliary.triangle.data() + first;
+        std::uint32_t filled = 0, sky = 0, abrupt = 0, fresh = 0;
+        for (int i = 0; i < kTileSize; i += kLanes) {
+            const auto here = hn::LoadU(ui, instance + i);
+            sky |= bits_of(hn::Eq(here, hn::Set(ui, kSkyInstance))) << i;
+            abrupt |= bits_of(hn::Eq(here, hn::Set(ui, AuxiliaryImage::kAbrupt))) << i;
+            filled |= bits_of(hn::Ne(here, hn::Set(ui, AuxiliaryImage::kEmpty))) << i;
+            // A pixel that shows what its left or upper neighbour shows adds nothing.
+            const auto own = hn::LoadU(ui, triangle + i);
+            const auto same = [&](std::ptrdiff_t offset) {
+                return hn::And(hn::Eq(here, hn::LoadU(ui, instance + i - offset)),
+                               hn::Eq(own, hn::LoadU(ui, triangle + i - offset)));
+            };
+            std::uint32_t known = bits_of(same(1));
+            if (i == 0) known &= ~1u;  // that neighbour asks this pixel
+            if (j > 0) known |= bits_of(same(auxiliary.stride));
+            fresh |= (~known & ((1u << kLanes) - 1u)) << i;
+        }
+        landed.sky[j] = sky << 1;
+        landed.abrupt[j] = abrupt << 1;
+        landed.filled[j] = filled << 1;
+        const auto border = [&](int i, int inner) {
+            if (instance[i] == AuxiliaryImage::kEmpty) return;
+            const std::uint32_t bit = 1u << (i + 1);
+            landed.filled[j] |= bit;
+            if (instance[i] == kSkyInstance) landed.sky[j] |= bit;
+            if (instance[i] == AuxiliaryImage::kAbrupt) landed.abrupt[j] |= bit;
+            const auto shows = [&](std::ptrdiff_t other) {
+                return instance[i] == instance[other] && triangle[i] == triangle[other];
+            };
+            if (instance[i] < AuxiliaryImage::kAbrupt && !shows(inner) && !(j > 0 && shows(i - auxiliary.stride)))
+                primitives.add(instance[i], triangle[i]);
+        };
+        border(-1, 0);
+        border(kTileSize, kTileSize - 1);
+        landed.filled[j] &= ~landed.abrupt[j];
+        for (std::uint32_t left = fresh & filled & ~sky & ~abrupt; left != 0; left &= left - 1) {
+            const int i = std::countr_zero(left);
+            primitives.add(instance[i], triangle[i]);
+        }
+    }
+}
+
+// Least and greatest depth of the 3 x 3 pixels around each of a register, whatever they show.
+struct Range {
+    hn::Vec<F> least, greatest;
+};
+HWY_INLINE Range range_around(const AuxiliaryImage& auxiliary, int x, int y) {
+    Range range{hn::Set(f, 0.0f), hn::Set(f, 0.0f)};
+    for (int dy = -1; dy <= 1; ++dy) {
+        const float* at = auxiliary.depth.data() + auxiliary.index(x, y + dy);
+        const auto left = hn::LoadU(f, at - 1), middle = hn::LoadU(f, at), right = hn::LoadU(f, at + 1);
+        const auto least = hn::Min(left, hn::Min(middle, right)), greatest = hn::Max(left, hn::Max(middle, right));
+        range.least = dy < 0 ? least : hn::Min(range.least, least);
+        range.greatest = dy < 0 ? greatest : hn::Max(range.greatest, greatest);
+    }
+    return range;
+}
+
+TileMask CountVotes(const AuxiliaryImage& auxiliary, const VisibilityBuffer& hits, const TileRequest& tile,
+                    const TileMask& all_filled, const ReprojectSettings& settings) {
+    TileMask mask;
+    const bool by_surface = settings.vote == Vote::surface;
+    const auto too_few = hn::Set(si, settings.min_count - 1);
+    for (int j = 0; j < kTileSize; ++j) {
+        if (tile.rows[j] == 0) continue;
+        std::uint32_t accepted = 0;
+        for (int i = 0; i < kTileSize; i += kLanes) {
+            const std::size_t hit = hits.index(tile.x + i, tile.y + j);
+            const auto instance = hn::LoadU(ui, hits.instance.data() + hit);
+            const auto triangle = hn::LoadU(ui, hits.triangle.data() + hit);
+            const auto depth = hn::LoadU(f, hits.depth.data() + hit);
+            const auto slack = hn::Mul(depth, hn::Set(f, settings.surface_share));
+            const std::uint32_t asked = (std::uint32_t(tile.rows[j]) >> i) & ((1u << kLanes) - 1u);
+            if (asked == 0) continue;
+            // On a surface all nine agree.
+            if (by_surface && (asked & ~(std::uint32_t(all_filled.rows[j]) >> i)) == 0) {
+                const Range range = range_around(auxiliary, tile.x + i, tile.y + j);
+                const auto agree = bits_of(hn::RebindMask(ui, hn::And(hn::Le(hn::Sub(range.greatest, depth), slack),
+                                                                      hn::Le(hn::Sub(depth, range.least), slack))));
+                if ((asked & ~agree) == 0) {
+                    accepted |= asked << i;
+                    continue;
+                }
+            }
+            auto votes = hn::Zero(si);
+            for (int dy = -1; dy <= 1; ++dy)
+                for (int dx = -1; dx <= 1; ++dx) {
+                    const std::size_t at = auxiliary.index(tile.x + i + dx, tile.y + j + dy);
+                    const auto other = hn::LoadU(ui, auxiliary.instance.data() + at);
+                    auto agrees = hn::And(hn::Eq(other, instance),
+                                          hn::Eq(hn::LoadU(ui, auxiliary.triangle.data() + at), triangle));
+                    if (by_surface) {
+                        const auto apart = hn::Abs(hn::Sub(hn::LoadU(f, auxiliary.depth.data() + at), depth));
+                        const auto exists = hn::Lt(other, hn::Set(ui, AuxiliaryImage::kAbrupt));
+                        agrees = hn::Or(agrees, hn::And(exists, hn::RebindMask(ui, hn::Le(apart, slack))));
+                    }
+                    votes = hn::Sub(votes, hn::VecFromMask(si, hn::RebindMask(si, agrees)));
+                }
+            accepted |= bits_of(hn::RebindMask(ui, hn::Gt(votes, too_few))) << i;
+        }
+        mask.rows[j] = std::uint16_t(accepted & tile.rows[j]);
+    }
+    return mask;
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace ff::farfield::reprojection
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace ff::farfield::reprojection {
+HWY_EXPORT(ReadTile);
+HWY_EXPORT(CountVotes);
+
+void read_tile(const AuxiliaryImage& auxiliary, int x, int y, Landed& landed, PrimitiveSet& primitives) {
+    HWY_DYNAMIC_DISPATCH(ReadTile)(auxiliary, x, y, landed, primitives);
+}
+
+TileMask count_votes(const AuxiliaryImage& auxiliary, const VisibilityBuffer& hits, const TileRequest& tile,
+                     const TileMask& all_filled, const ReprojectSettings& settings) {
+    return HWY_DYNAMIC_DISPATCH(CountVotes)(auxiliary, hits, tile, all_filled, settings);
+}
+
+TileMask count_around(const std::uint32_t (&bits)[kTileSize + 2], int least) {
+    // All columns of a row at once: numbers of up to four bits, a word a digit.
+    std::uint32_t ones[kTileSize + 2], twos[kTileSize + 2];
+    for (int j = 0; j < kTileSize + 2; ++j) {
+        const std::uint32_t left = bits[j], middle = bits[j] >> 1, right = bits[j] >> 2;
+        ones[j] = left ^ middle ^ right;
+        twos[j] = (left & middle) | (right & (left | middle));
+    }
+    TileMask mask;
+    for (int j = 0; j < kTileSize; ++j) {
+        const std::uint32_t carry = (ones[j] & ones[j + 1]) | (ones[j + 2] & (ones[j] | ones[j + 1]));
+        const std::uint32_t t0 = twos[j], t1 = twos[j + 1], t2 = twos[j + 2];
+        const std::uint32_t sum = t0 ^ t1 ^ t2, over = (t0 & t1) | (t2 & (t0 | t1));
+        const std::uint32_t digits[4] = {ones[j] ^ ones[j + 1] ^ ones[j + 2], sum ^ carry, over ^ (sum & carry),
+                                         over & sum & carry};
+        // Compare from the highest digit down.
+        std::uint32_t greater = 0, equal = ~0u;
+        for (int digit = 3; digit >= 0; --digit) {
+            const std::uint32_t wanted = ((least >> digit) & 1) != 0 ? ~0u : 0u;
+            greater |= equal & digits[digit] & ~wanted;
+            equal &= ~(digits[digit] ^ wanted);
+        }
+        mask.rows[j] = std::uint16_t(greater | equal);
+    }
+    return mask;
+}
+
+}  // namespace ff::farfield::reprojection
+#endif

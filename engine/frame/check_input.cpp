@@ -1,0 +1,91 @@
+#include "engine/frame/check_input.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <glm/matrix.hpp>
+
+namespace ff::frame {
+namespace {
+
+constexpr double kLeastFov = 1e-4, kGreatestFov = kPi - 1e-4;  // radians; beyond, directions leave float's range
+constexpr double kStraightUp = 0.5 * kPi + 1e-6;               // radians; 90 degrees as text may round them
+
+bool is_position(const WorldPos& p) {
+    return std::fabs(p.x) <= kMaxCoordinateM && std::fabs(p.y) <= kMaxCoordinateM && std::fabs(p.z) <= kMaxCoordinateM;
+}
+
+Status check_camera(const Camera& camera) {
+    const WorldPos& p = camera.position;
+    if (!is_position(p))
+        return bad_input(fmt::format("camera: position ({}, {}, {}); expected metres within {:g} of the origin", p.x,
+                                     p.y, p.z, kMaxCoordinateM));
+    if (!std::isfinite(camera.yaw)) return bad_input(fmt::format("camera: yaw {}; expected radians", camera.yaw));
+    if (!(std::fabs(camera.pitch) <= kStraightUp))
+        return bad_input(fmt::format("camera: pitch {}; expected radians in [-pi/2, pi/2]", camera.pitch));
+    if (!std::isfinite(camera.roll)) return bad_input(fmt::format("camera: roll {}; expected radians", camera.roll));
+    if (!(camera.vertical_fov >= kLeastFov && camera.vertical_fov <= kGreatestFov))
+        return bad_input(
+            fmt::format("camera: vertical field of view {}; expected radians in (0, pi)", camera.vertical_fov));
+    return {};
+}
+
+Status check_settings(const FrameSettings& settings) {
+    if (!(settings.budget_ms >= 0.0) || !std::isfinite(settings.budget_ms))
+        return bad_input(
+            fmt::format("settings: budget_ms {}; expected milliseconds, or 0 for none", settings.budget_ms));
+    if (settings.fixed_near_m && (!(*settings.fixed_near_m >= 0.0) || !std::isfinite(*settings.fixed_near_m)))
+        return bad_input(fmt::format("settings: fixed_near_m {}; expected metres, [0, inf)", *settings.fixed_near_m));
+    if (!(settings.max_parallax_px >= 0.0f && settings.max_parallax_px <= 16.0f))
+        return bad_input(
+            fmt::format("settings: max_parallax_px {}; expected pixels in [0, 16]", settings.max_parallax_px));
+    if (!(settings.prelit_beyond_m >= 0.0f))
+        return bad_input(
+            fmt::format("settings: prelit_beyond_m {}; expected metres, [0, inf]", settings.prelit_beyond_m));
+    if (!(settings.blend_within_m >= 0.0f) || !std::isfinite(settings.blend_within_m))
+        return bad_input(
+            fmt::format("settings: blend_within_m {}; expected metres, [0, inf)", settings.blend_within_m));
+    if (!(settings.grid_cells_per_item > 0.0f && settings.grid_cells_per_item <= 64.0f))
+        return bad_input(
+            fmt::format("settings: grid_cells_per_item {}; expected (0, 64]", settings.grid_cells_per_item));
+    if (!(settings.resolution >= 0.25f && settings.resolution <= 1.0f))
+        return bad_input(fmt::format("settings: resolution {}; expected a share in [0.25, 1]", settings.resolution));
+    if (!(settings.panorama_density >= 0.25f && settings.panorama_density <= 2.0f))
+        return bad_input(fmt::format("settings: panorama_density {}; expected [0.25, 2]", settings.panorama_density));
+    if (const float share = settings.reproject.surface_share; !(share >= 0.0f && share <= 1.0f))
+        return bad_input(fmt::format("settings: reproject.surface_share {}; expected [0, 1]", share));
+    return {};
+}
+
+Status check_instance(const scene::StaticScene& scene, const scene::Instance& instance, std::size_t number) {
+    if (instance.mesh >= scene.meshes.size())
+        return bad_input(
+            fmt::format("moving instance {}: mesh {}; the scene has {}", number, instance.mesh, scene.meshes.size()));
+    const WorldPos& p = instance.position;
+    if (!is_position(p))
+        return bad_input(
+            fmt::format("moving instance {}: position ({}, {}, {}); expected metres within {:g} of the origin", number,
+                        p.x, p.y, p.z, kMaxCoordinateM));
+    const double volume = glm::determinant(DMat3(instance.world_from_mesh));
+    if (!std::isfinite(volume) || volume == 0.0)
+        return bad_input(fmt::format(
+            "moving instance {}: a transform of volume {}; expected a finite one that is not flat", number, volume));
+    const DBox3& box = instance.bounds;
+    if (!scene.meshes[instance.mesh].bounds.is_empty() &&
+        (box.is_empty() || !is_position(box.low) || !is_position(box.high)))
+        return bad_input(fmt::format("moving instance {}: bounds ({}, {}, {}) to ({}, {}, {}); expected a box", number,
+                                     box.low.x, box.low.y, box.low.z, box.high.x, box.high.y, box.high.z));
+    return {};
+}
+
+}  // namespace
+
+Status check_frame_input(const scene::StaticScene& scene, const Camera& camera,
+                         std::span<const scene::Instance> dynamic, const FrameSettings& settings) {
+    FF_TRY(check_camera(camera));
+    FF_TRY(check_settings(settings));
+    for (std::size_t i = 0; i < dynamic.size(); ++i) FF_TRY(check_instance(scene, dynamic[i], i));
+    return {};
+}
+
+}  // namespace ff::frame
