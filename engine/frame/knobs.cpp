@@ -151,9 +151,14 @@ std::span<const Knob> knobs() {
     return kKnobs;
 }
 
-Status set_knob(FrameSettings& settings, std::string_view name, double value) {
+const Knob* find_knob(std::string_view name) {
     const auto knob = std::find_if(kKnobs.begin(), kKnobs.end(), [&](const Knob& k) { return k.name == name; });
-    if (knob == kKnobs.end()) return failure(fmt::format("there is no knob '{}'", name));
+    return knob == kKnobs.end() ? nullptr : &*knob;
+}
+
+Status set_knob(FrameSettings& settings, std::string_view name, double value) {
+    const Knob* knob = find_knob(name);
+    if (knob == nullptr) return failure(fmt::format("there is no knob '{}'", name));
     const auto [low, high] =
         std::minmax_element(knob->values.begin(), knob->values.end(),
                             [](const KnobValue& a, const KnobValue& b) { return a.value < b.value; });

@@ -44,6 +44,9 @@ struct Knob {
 /// All knobs, in the order in which they are best shown.
 [[nodiscard]] std::span<const Knob> knobs();
 
+/// The knob of that name, or nullptr.
+[[nodiscard]] const Knob* find_knob(std::string_view name);
+
 /// Sets the knob of that name. Errors: no such knob; a value outside of what the knob's values span.
 Status set_knob(FrameSettings& settings, std::string_view name, double value);
 

@@ -94,6 +94,10 @@ constexpr HardCase kCases[] = {
      "a full cast", "of the depth", 1000000, 0, 0.02, 1.5, panorama_seams},
     {"panorama.turns", "a million small turns of the mouse: the view is where their sum says, the panorama still right",
      "long double: the sum", "pixels", 1500000, 0, 1e-6, 0, panorama_turns},
+    {"reprojection.motions",
+     "no motion, tiny, sideways, backward; epipoles on pixel centres, corners, rows, columns, borders; turns; what "
+     "moves",
+     "double: one intersection", "of the depth", 1000000, 1e-4, 1e-3, 3, reprojected_motions},
     {"opacity.exact", kOpacity, "double: every triangle, clipped", "", 1000000, 0, 0, 4, opacity_exact},
     {"opacity.opengl", kOpacity, "OpenGL", "", 500000, 0, 0, 0, opacity_opengl},
     {"clock.ticks", "30 days of frames, some of no time, of ten seconds, or backwards: no tick is gained or lost",

@@ -50,6 +50,9 @@ void panorama_turns(Trial& trial);
 void opacity_exact(Trial& trial);
 void opacity_opengl(Trial& trial);
 
+// reprojection.cpp
+void reprojected_motions(Trial& trial);
+
 // clock.cpp
 void clock_ticks(Trial& trial);
 

@@ -46,13 +46,14 @@ std::string text_of_limits(const Limits& limits) {
 
 Result<std::string> choose(const json& table, const std::string& walk, const Limits& limits,
                            frame::FrameSettings& settings) {
+    constexpr double kWorthwhileRatio = 0.97;  // a time below that of exact frames by less is noise
     const Candidate* best = nullptr;
     const std::vector<Candidate> candidates = candidates_of(table);
     std::size_t kept = 0;
     for (const Candidate& c : candidates) {
         if (c.displacement_px > limits.max_displacement_px || c.psnr_db < limits.min_psnr_db) continue;
         ++kept;
-        if (c.time_ratio < (best != nullptr ? best->time_ratio : 1.0)) best = &c;
+        if (c.time_ratio < (best != nullptr ? best->time_ratio : kWorthwhileRatio)) best = &c;
     }
     const std::string measured_on = table.at("scene").at("walk").get<std::string>();
     const std::string where = measured_on == walk
@@ -64,7 +65,8 @@ Result<std::string> choose(const json& table, const std::string& walk, const Lim
     std::string names;
     for (const auto& [name, value] : best->settings.items()) {
         FF_TRY(frame::set_knob(settings, name, value.get<double>()));
-        names += fmt::format("{}{} {}", names.empty() ? "" : ", ", name, value.get<double>());
+        names +=
+            fmt::format("{}{} {}", names.empty() ? "" : ", ", name, frame::find_knob(name)->text(value.get<double>()));
     }
     return fmt::format("{}: {}; this is the fastest, {:.2f} of an exact frame's time at {:.0f} px and {:.1f} dB", names,
                        counts, best->time_ratio, best->displacement_px, best->psnr_db);

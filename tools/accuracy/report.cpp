@@ -26,9 +26,7 @@ json settings_of(const Point& point) {
 std::string text_of(const KnobSettings& settings) {
     std::string text;
     for (const auto& [name, value] : settings) {
-        const auto all = frame::knobs();
-        const auto knob = std::find_if(all.begin(), all.end(), [&](const frame::Knob& k) { return k.name == name; });
-        text += fmt::format("{}{} {}", text.empty() ? "" : ", ", name, knob->text(value));
+        text += fmt::format("{}{} {}", text.empty() ? "" : ", ", name, frame::find_knob(name)->text(value));
     }
     return text;
 }

@@ -31,6 +31,7 @@ Status run_accuracy(const AccuracyOptions& options) {
     auto opened = Session::open(options.view, modes);
     const bool has_gl = opened.has_value();
     if (!has_gl) {
+        if (opened.error().kind != ErrorKind::failure) return opened.error();  // the pack's fault, not OpenGL's
         // Without OpenGL there is no near field to turn knobs of, and all else goes on.
         const frame::Mode without_gl[] = {frame::Mode::hybrid};
         log_warning("no OpenGL ({}): its knobs are left out", opened.error().message);
