@@ -30,6 +30,25 @@ Status check_camera(const Camera& camera) {
     return {};
 }
 
+Status check_reprojection(const farfield::ReprojectSettings& settings) {
+    if (const float share = settings.surface_share; !(share >= 0.0f && share <= 1.0f))
+        return bad_input(fmt::format("settings: reproject.surface_share {}; expected [0, 1]", share));
+    const struct {
+        const char* name;
+        int value, low, high;
+    } numbers[] = {{"min_count", settings.min_count, 0, 9},
+                   {"resample_period", settings.resample_period, 0, 64},
+                   {"resample_block_px", settings.resample_block_px, 1, farfield::kTileSize},
+                   {"abrupt_frames", settings.abrupt_frames, 1, 64}};
+    for (const auto& [name, value, low, high] : numbers)
+        if (value < low || value > high)
+            return bad_input(fmt::format("settings: reproject.{} {}; expected [{}, {}]", name, value, low, high));
+    if (farfield::kTileSize % settings.resample_block_px != 0)
+        return bad_input(fmt::format("settings: reproject.resample_block_px {}; expected 1, 2, 4, 8 or 16",
+                                     settings.resample_block_px));
+    return {};
+}
+
 Status check_settings(const FrameSettings& settings) {
     if (!(settings.budget_ms >= 0.0) || !std::isfinite(settings.budget_ms))
         return bad_input(
@@ -52,9 +71,9 @@ Status check_settings(const FrameSettings& settings) {
         return bad_input(fmt::format("settings: resolution {}; expected a share in [0.25, 1]", settings.resolution));
     if (!(settings.panorama_density >= 0.25f && settings.panorama_density <= 2.0f))
         return bad_input(fmt::format("settings: panorama_density {}; expected [0.25, 2]", settings.panorama_density));
-    if (const float share = settings.reproject.surface_share; !(share >= 0.0f && share <= 1.0f))
-        return bad_input(fmt::format("settings: reproject.surface_share {}; expected [0, 1]", share));
-    return {};
+    if (const int n = settings.horizon_subsample; n != 1 && n != 2 && n != 4)
+        return bad_input(fmt::format("settings: horizon_subsample {}; expected 1, 2 or 4", n));
+    return check_reprojection(settings.reproject);
 }
 
 Status check_instance(const scene::StaticScene& scene, const scene::Instance& instance, std::size_t number) {

@@ -35,49 +35,67 @@ constexpr std::array kCasterKinds{KnobValue{0, "beam"}, KnobValue{1, "embree"}, 
 constexpr std::array kGridCells{KnobValue{1}, KnobValue{4}, KnobValue{16}};
 constexpr std::array kNearDistances{KnobValue{0}, KnobValue{25}, KnobValue{50}, KnobValue{100}, KnobValue{400}};
 constexpr std::array kOpacityKinds{KnobValue{2, "readback"}, KnobValue{1, "software"}};
+constexpr std::array kReprojectCounts{KnobValue{7}, KnobValue{5}, KnobValue{3}, KnobValue{1}};
+constexpr std::array kReprojectPeriods{KnobValue{4}, KnobValue{9}, KnobValue{16}, KnobValue{0, "never"}};
+constexpr std::array kReprojectSurfaces{KnobValue{0.01, "1%"}, KnobValue{0.05, "5%"}, KnobValue{0.2, "20%"}};
+constexpr std::array kReprojectVotes{KnobValue{1, "primitive"}, KnobValue{0, "surface"}, KnobValue{2, "any"}};
+constexpr std::array kReprojectBackground{KnobValue{0, "off"}, KnobValue{1, "on"}};
+constexpr std::array kChecks{KnobValue{1, "on"}, KnobValue{0, "off"}};
 
 /// A panorama that serves a moving viewer, as the knobs of the panorama need it to show.
 void reuse(FrameSettings& s) {
     s.use_panorama = s.reuse_while_moving = true;
 }
 
+/// Mode reproject, for the knobs of which only that takes notice. Exact frames are those of the usual mode: what the
+/// knob's default costs and gives is what the mode does.
+farfield::ReprojectSettings& reproject(FrameSettings& s) {
+    s.mode = Mode::reproject;
+    return s.reproject;
+}
+
 const std::array kKnobs{
     Knob{"budget_ms", "ms", "Time that a frame may take; what does not fit is drawn smaller.", 0.0, kBudgets,
          [](FrameSettings& s, double v) { s.budget_ms = v; }},
     Knob{"resolution", "", "Share of the image's sides that is drawn, then enlarged.", 1.0, kResolutionShares,
-         [](FrameSettings& s, double v) { s.resolution = float(v); }},
+         [](FrameSettings& s, double v) { s.resolution = float(v); }, KnobScope::all},
     Knob{"panorama_parallax", "px", "A walking viewer reuses panorama texels up to this predicted parallax.", 0.0,
          kParallaxes,
          [](FrameSettings& s, double v) {
              s.reuse_while_moving = v > 0.0;
              if (v > 0.0) s.use_panorama = true;
              if (v > 0.0) s.max_parallax_px = float(v);
-         }},
+         },
+         KnobScope::panorama},
     Knob{"ray_budget", "rays", "Pixels cast a frame at most, where a walking viewer reuses the panorama.", kUnlimited,
          kRayBudgets,
          [](FrameSettings& s, double v) {
              reuse(s);
              s.ray_budget = v < kUnlimited ? std::uint64_t(v) : UINT64_MAX;
-         }},
+         },
+         KnobScope::panorama},
     Knob{"panorama_density", "x", "Texels a side of a reused panorama, against the usual 1.25 a pixel.", 1.0,
          kDensities,
          [](FrameSettings& s, double v) {
              reuse(s);
              s.panorama_density = float(v);
-         }},
+         },
+         KnobScope::panorama},
     Knob{"panorama_edges", "", "What happens where the texels of a reused panorama show different things.", 2.0,
          kEdgeRules,
          [](FrameSettings& s, double v) {
              reuse(s);
              s.panorama_edges = farfield::EdgeRule(int(v));
-         }},
+         },
+         KnobScope::panorama},
     Knob{"prelit_beyond", "m", "Beyond this distance triangles have one prelit colour instead of textures.", kUnlimited,
          kPrelitDistances,
          [](FrameSettings& s, double v) {
              s.prelit_beyond_m = v < kUnlimited ? float(v) : std::numeric_limits<float>::infinity();
-         }},
+         },
+         KnobScope::all},
     Knob{"blend_within", "m", "Blended surfaces nearer than this are sorted per pixel, farther ones shown by coverage.",
-         60.0, kBlendDistances, [](FrameSettings& s, double v) { s.blend_within_m = float(v); }},
+         60.0, kBlendDistances, [](FrameSettings& s, double v) { s.blend_within_m = float(v); }, KnobScope::all},
     Knob{"horizon", "", "Whether sky above the traced skyline is left to nobody.", 1.0, kHorizonUses,
          [](FrameSettings& s, double v) { s.use_horizon = v != 0.0; }},
     Knob{"horizon_subsample", "", "Which azimuths are traced; fewer ones on height squares so much coarser.", 1.0,
@@ -91,13 +109,34 @@ const std::array kKnobs{
              s.grid_cells_per_item = float(v);
          }},
     Knob{"near_distance", "m", "Cells nearer than this are rasterised by OpenGL.", 0.0, kNearDistances,
-         [](FrameSettings& s, double v) { s.fixed_near_m = v; }, true},
+         [](FrameSettings& s, double v) { s.fixed_near_m = v; }, KnobScope::hybrid, true},
     Knob{"opacity", "", "How the near field's covered pixels are found, at 50 m near distance.", 2.0, kOpacityKinds,
          [](FrameSettings& s, double v) {
              s.fixed_near_m = s.fixed_near_m.value_or(50.0);
              s.opacity = OpacityKind(int(v));
          },
-         true},
+         KnobScope::hybrid, true},
+    Knob{"reproject_count", "", "m_cnt: so many of the 3 x 3 pixels around must vote for a reprojected hit.", 5.0,
+         kReprojectCounts, [](FrameSettings& s, double v) { reproject(s).min_count = int(v); },
+         KnobScope::reprojection},
+    Knob{"reproject_period", "frames", "Each pixel of a reprojected image is cast at least once in so many.", 9.0,
+         kReprojectPeriods, [](FrameSettings& s, double v) { reproject(s).resample_period = int(v); },
+         KnobScope::reprojection},
+    Knob{"reproject_surface", "", "Reprojected depths within this share of each other are one surface.", 0.05,
+         kReprojectSurfaces, [](FrameSettings& s, double v) { reproject(s).surface_share = float(v); },
+         KnobScope::reprojection},
+    Knob{"reproject_vote", "", "Whose reprojected points vote for a hit: its triangle's, its surface's or any.", 0.0,
+         kReprojectVotes, [](FrameSettings& s, double v) { reproject(s).vote = farfield::Vote(int(v)); },
+         KnobScope::reprojection},
+    Knob{"reproject_frustum", "", "Whether all is cast once the eye has left the last view frustum.", 1.0, kChecks,
+         [](FrameSettings& s, double v) { reproject(s).check_view_frustum = v != 0.0; }, KnobScope::reprojection},
+    Knob{"reproject_occlusion", "", "Whether reprojected points that others overtook are left out.", 1.0, kChecks,
+         [](FrameSettings& s, double v) { reproject(s).check_occlusion = v != 0.0; }, KnobScope::reprojection},
+    Knob{"reproject_abrupt", "", "Whether reprojected points that come too fast are left out.", 1.0, kChecks,
+         [](FrameSettings& s, double v) { reproject(s).check_abrupt = v != 0.0; }, KnobScope::reprojection},
+    Knob{"reproject_background", "", "Whether sky is reprojected like everything else; if not, it is cast.", 1.0,
+         kReprojectBackground, [](FrameSettings& s, double v) { reproject(s).use_background = v != 0.0; },
+         KnobScope::reprojection},
 };
 
 }  // namespace

@@ -18,14 +18,23 @@ struct KnobValue {
     std::string_view name = {};
 };
 
+/// Where a knob has an effect; setting it brings that about.
+enum class KnobScope {
+    all,           ///< whatever finds visibility
+    hybrid,        ///< mode hybrid
+    panorama,      ///< mode hybrid whose panorama serves a moving viewer
+    reprojection,  ///< mode reproject
+};
+
 struct Knob {
     std::string_view name;  ///< as stored; lower case, underscores
     std::string_view unit;  ///< "" where the values are names or plain numbers
     std::string_view about;
-    double default_value = 0.0;         ///< that of FrameSettings
+    double default_value = 0.0;         ///< that of FrameSettings; as a value it brings about the scope, no more
     std::span<const KnobValue> values;  ///< worth trying, from the most accurate on; the default among them or beside
     /// Sets it, and whatever else it needs to take effect at all.
     void (*set)(FrameSettings& settings, double value) = nullptr;
+    KnobScope scope = KnobScope::hybrid;
     bool needs_gl = false;  ///< only where there is OpenGL to draw with
 
     /// The value as people read it: its name, or its number with the unit.

@@ -173,7 +173,8 @@ void plan_frame(const scene::StaticScene& scene, std::span<const scene::Instance
             plan.caster = settings.reproject_caster;
             plan.reproject = settings.reproject;
             plan.may_reproject = history.has_frame && knows_primitives(history.last_mode) &&
-                                 history.visibility.width == width && history.visibility.height == height;
+                                 history.visibility.width == plan.view.width &&
+                                 history.visibility.height == plan.view.height;
             return;
         case Mode::hybrid:
             break;

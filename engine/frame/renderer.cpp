@@ -55,7 +55,7 @@ Renderer::Renderer(const scene::StaticScene& scene, Casters& casters, nearfield:
       tools_{scene, casters, culler_, dynamic_overlay_, layer_index_, near_renderer},
       width_(width),
       height_(height) {
-    FF_CHECK(width > 0 && height > 0 && width <= 16384 && height <= 16384, "image of {} x {}", width, height);
+    FF_CHECK(width > 0 && height > 0 && width <= kMaxSidePx && height <= kMaxSidePx, "image of {} x {}", width, height);
     if (near_renderer != nullptr) {
         history_.can_rasterise = true;
         history_.costs.near_fixed_ms = measure_near_fixed_ms(*near_renderer, width, height);

@@ -11,7 +11,11 @@ namespace ff::frame {
 /// Threads: one; the passes use the workers of jobs.h.
 class Renderer {
   public:
-    /// Borrows all; they must outlive it. @param near_renderer  may be null where there is no OpenGL
+    static constexpr int kMaxSidePx = 16384;  ///< of an image
+
+    /// Borrows all; they must outlive it.
+    /// @param near_renderer  may be null where there is no OpenGL
+    /// @param width, height  of the image, [1, kMaxSidePx]
     Renderer(const scene::StaticScene& scene, Casters& casters, nearfield::NearRenderer* near_renderer, int width,
              int height);
 

@@ -40,9 +40,9 @@ void draw_reprojected_frame(const FramePlan& plan, const Tools& tools, FrameHist
         history.requests = history.all_tiles;
     {
         const TimedPass timed(stats, Pass::cast);
-        const farfield::CastCost cost =
-            farfield::cast_left_over(tools.casters.get(CasterKind::embree), tools.casters.get(plan.caster), plan.view,
-                                     history.requests, history.wanted, history.to_shade, history.visibility);
+        const farfield::CastCost cost = farfield::cast_left_over(
+            tools.casters.get(CasterKind::embree), tools.casters.get(plan.caster, plan.grid_cells_per_item), plan.view,
+            history.requests, history.wanted, history.to_shade, history.visibility);
         stats.rays = cost.rays;
         stats.nodes_visited = cost.nodes;
         stats.triangles_tested += cost.triangles;

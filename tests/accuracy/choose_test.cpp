@@ -66,6 +66,15 @@ TEST_F(ChooseTest, stays_exact_where_nothing_faster_keeps_them) {
     EXPECT_THAT(*said, HasSubstr("exact frames"));
 }
 
+TEST_F(ChooseTest, takes_no_time_for_faster_that_the_usual_settings_took_themselves) {
+    json lucky = measured(0.1, 0.0, 60.0);
+    lucky["value"] = 0.0;  // the usual caster
+    table_["knobs"][1]["points"].push_back(lucky);
+    write(table_.dump());
+    ASSERT_TRUE(choose({.min_psnr_db = 27.5}));
+    EXPECT_FLOAT_EQ(settings_.resolution, 0.5f);
+}
+
 TEST_F(ChooseTest, refuses_tables_that_are_not_this_pack_s) {
     table_["scene"]["pack_hash"] = "00000000000000ac";
     write(table_.dump());

@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "tests/support/worlds.h"
@@ -52,6 +53,24 @@ TEST(PairsTest, joins_values_of_different_knobs_that_save_time) {
         EXPECT_EQ(pair[0].first, "a");
         EXPECT_EQ(pair[1].first, "b");
     }
+}
+
+TEST(PairsTest, counts_a_technique_once_and_pairs_it_with_nothing_that_it_ignores) {
+    const Point exact = point("", 0, 1.0, 0.01);
+    const std::vector<Point> singles{point("reproject_count", 5, 0.5, 0.03), point("reproject_count", 1, 0.4, 0.05),
+                                     point("reproject_period", 0, 0.45, 0.04), point("horizon", 0, 0.9, 0.01),
+                                     point("resolution", 0.5, 0.3, 0.06)};
+    const auto pairs = promising_pairs(addresses(singles), exact, 20);
+    std::vector<std::string> names;
+    for (const KnobSettings& pair : pairs) names.push_back(pair[0].first + " " + pair[1].first);
+    std::sort(names.begin(), names.end());
+    const std::vector<std::string> expected{
+        "horizon resolution",         "reproject_count reproject_period", "reproject_count reproject_period",
+        "reproject_count resolution", "reproject_count resolution",       "reproject_period resolution"};
+    EXPECT_EQ(names, expected);
+    // Without what reprojection does by itself, nobody knows what two of its knobs do.
+    const std::vector<Point> turned{singles[1], singles[2]};
+    EXPECT_TRUE(promising_pairs(addresses(turned), exact, 20).empty());
 }
 
 TEST(SentenceTest, says_what_a_millisecond_costs) {

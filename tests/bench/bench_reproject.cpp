@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "engine/core/jobs.h"
+#include "engine/core/quantile.h"
 #include "engine/farfield/known_pixels.h"
 #include "engine/farfield/reproject.h"
 #include "engine/farfield/reproject_cast.h"
@@ -54,12 +55,6 @@ struct Method {
         frame_ms.push_back(reproject + verify + cast + shade);
     }
 };
-
-double median_of(std::vector<double> values) {
-    const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
-}
 
 /// One way to reproject, with a history of its own.
 struct Variant {

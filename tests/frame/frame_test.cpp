@@ -98,6 +98,49 @@ TEST_F(FrameTest, a_reprojecting_walker_verifies_most_pixels_and_draws_what_rayc
     EXPECT_EQ(renderer.draw(street_camera(1.0), {}, {.mode = Mode::reproject}, image).pixels.verified, 0u);
 }
 
+TEST_F(FrameTest, reprojection_goes_on_at_any_resolution_and_starts_anew_where_that_changes) {
+    Renderer renderer(scene, casters, nullptr, kWidth, kHeight);
+    shading::Image image;
+    int f = 0;
+    for (const float resolution : {1.0f, 0.5f, 0.7f}) {
+        const FrameSettings settings{.mode = Mode::reproject, .resolution = resolution};
+        EXPECT_EQ(renderer.draw(street_camera(0.005 * f++), {}, settings, image).pixels.verified, 0u) << resolution;
+        const FrameStats& stats = renderer.draw(street_camera(0.005 * f++), {}, settings, image);
+        EXPECT_GE(double(stats.pixels.sky + stats.pixels.verified),
+                  0.5 * double(resolution * kWidth) * double(resolution * kHeight))
+            << resolution;
+    }
+}
+
+TEST_F(FrameTest, images_of_any_size_are_drawn_alike_in_every_mode) {
+    const scene::StaticScene nothing;
+    Casters no_casters(nothing);
+    const int sizes[][2] = {{1, 1}, {1, 40}, {15, 1}, {16, 16}, {17, 33}, {31, 15}};
+    for (const auto& [width, height] : sizes)
+        for (const Mode mode : {Mode::hybrid, Mode::raycast, Mode::beam, Mode::reproject, Mode::irsa}) {
+            Renderer renderer(scene, casters, nullptr, width, height), raycast(scene, casters, nullptr, width, height);
+            Renderer empty(nothing, no_casters, nullptr, width, height);
+            shading::Image image, reference;
+            for (int f = 0; f < 4; ++f) {
+                const auto count = [](const PixelCounts& p) {
+                    return p.near_field + p.sky + p.panorama + p.verified + p.cast_hit + p.cast_miss;
+                };
+                const auto pixels = std::uint64_t(width) * std::uint64_t(height);
+                const FrameSettings settings{.mode = mode, .fixed_near_m = 0.0, .keep_ids = true};
+                const Camera camera = street_camera(0.3 + 0.001 * f);
+                EXPECT_EQ(count(renderer.draw(camera, {}, settings, image).pixels), pixels);
+                raycast.draw(camera, {}, {.mode = Mode::raycast}, reference);
+                // Edges are most of so small an image, and there a panorama's texel may be the neighbour's.
+                EXPECT_LE(farfield::count_wrong_pixels(renderer.history().visibility, raycast.history().visibility),
+                          mode == Mode::hybrid ? pixels / 10 + 1 : pixels / 50)
+                    << "mode " << int(mode) << ", " << width << "x" << height << ", frame " << f;
+                const PixelCounts& none = empty.draw(camera, {}, settings, image).pixels;
+                EXPECT_EQ(count(none), pixels);
+                EXPECT_EQ(none.cast_hit, 0u);
+            }
+        }
+}
+
 TEST_F(FrameTest, a_turning_hybrid_reuses_most_pixels_and_stays_close_to_raycast) {
     Renderer hybrid(scene, casters, nullptr, kWidth, kHeight);
     Renderer raycast(scene, casters, nullptr, kWidth, kHeight);

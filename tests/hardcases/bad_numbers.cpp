@@ -34,13 +34,35 @@ FrameInput good_input(test::Random& random, const scene::StaticScene& scene) {
     return input;
 }
 
+void spoil(test::Random& random, farfield::ReprojectSettings& settings) {
+    switch (random.below(6)) {
+        case 0:
+            settings.surface_share = random.below(2) == 0 ? std::numeric_limits<float>::quiet_NaN() : -0.5f;
+            break;
+        case 1:
+            settings.min_count = random.below(2) == 0 ? -1 : 10;
+            break;
+        case 2:
+            settings.resample_period = random.below(2) == 0 ? -1 : 65;
+            break;
+        case 3:
+            settings.resample_block_px = random.below(2) == 0 ? 0 : 32;
+            break;
+        case 4:
+            settings.resample_block_px = 3;
+            break;
+        default:
+            settings.abrupt_frames = random.below(2) == 0 ? 0 : 65;
+    }
+}
+
 /// Puts something that is no number, or none that can be, into one place.
 void spoil(test::Random& random, FrameInput& input) {
     constexpr double kInf = std::numeric_limits<double>::infinity();
     const double bad = std::array{std::numeric_limits<double>::quiet_NaN(), kInf, -kInf}[random.below(3)];
     const auto axis = int(random.below(3));
     scene::Instance& instance = input.dynamic[random.below(std::uint32_t(input.dynamic.size()))];
-    switch (random.below(17)) {
+    switch (random.below(18)) {
         case 0:
             input.camera.position[axis] = bad;
             break;
@@ -79,6 +101,9 @@ void spoil(test::Random& random, FrameInput& input) {
             break;
         case 16:
             input.settings.panorama_density = float(bad);
+            break;
+        case 17:
+            spoil(random, input.settings.reproject);
             break;
         case 9:
             instance.position[axis] = bad;

@@ -36,6 +36,14 @@ std::vector<Candidate> candidates_of(const json& table) {
     return candidates;
 }
 
+/// Whether the knobs stand where they stood: a time other than the exact frames' is noise, however short.
+bool changes_nothing(const Candidate& candidate, const frame::FrameSettings& settings) {
+    frame::FrameSettings turned = settings;
+    for (const auto& [name, value] : candidate.settings.items())
+        if (!frame::set_knob(turned, name, value.get<double>())) return false;
+    return turned == settings;
+}
+
 std::string text_of_limits(const Limits& limits) {
     std::string text;
     if (std::isfinite(limits.max_displacement_px)) text += fmt::format("{} px or less off", limits.max_displacement_px);
@@ -53,6 +61,7 @@ Result<std::string> choose(const json& table, const std::string& walk, const Lim
     for (const Candidate& c : candidates) {
         if (c.displacement_px > limits.max_displacement_px || c.psnr_db < limits.min_psnr_db) continue;
         ++kept;
+        if (changes_nothing(c, settings)) continue;
         if (c.time_ratio < (best != nullptr ? best->time_ratio : kWorthwhileRatio)) best = &c;
     }
     const std::string measured_on = table.at("scene").at("walk").get<std::string>();

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "engine/core/log.h"
+#include "engine/core/quantile.h"
 #include "engine/frame/knobs.h"
 #include "engine/shading/image_difference.h"
 #include "tools/accuracy/flip.h"
@@ -26,17 +27,10 @@ Trial make_trial(const Bench& bench, const frame::FrameSettings& settings) {
             std::vector<std::vector<double>>(std::size_t(counted))};
 }
 
-double median_of(std::vector<double> values) {
-    const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
-}
-
-/// Times of the frames, each the median of its laps, sorted.
-std::vector<double> sorted_times(const Trial& trial) {
+/// Times of the frames, each the median of its laps.
+std::vector<double> frame_times(const Trial& trial) {
     std::vector<double> times;
     for (const auto& laps : trial.frame_ms) times.push_back(median_of(laps));
-    std::sort(times.begin(), times.end());
     return times;
 }
 
@@ -157,15 +151,14 @@ Result<std::vector<Point>> measure(const Bench& bench, std::span<const KnobSetti
 
     std::vector<Point> points(settings.size());
     ErrorLap error_lap(bench);
-    const double exact_median = median_of(sorted_times(trials[0]));
+    const double exact_median = median_of(frame_times(trials[0]));
     for (std::size_t i = 0; i < settings.size(); ++i) {
         Point& point = points[i];
-        const std::vector<double> times = sorted_times(trials[i + 1]);
+        const std::vector<double> times = frame_times(trials[i + 1]);
         point.settings = settings[i];
         point.is_exact = trials[i + 1].settings == bench.exact;
-        point.times = {.median_ms = median_of(times),
-                       .p99_ms = times[std::size_t(std::ceil(0.99 * double(times.size()))) - 1],
-                       .exact_median_ms = exact_median};
+        point.times = {
+            .median_ms = median_of(times), .p99_ms = quantile_of(times, 0.99), .exact_median_ms = exact_median};
         error_lap.run(trials[i + 1], point);
         progress.advance();
     }

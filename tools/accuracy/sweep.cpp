@@ -12,11 +12,43 @@ constexpr double kWorthwhileRatio = 0.97;
 /// An error larger by less cannot be seen.
 constexpr double kNoticeableFlip = 1e-4;
 
+/// Of a point with one knob turned: null for a name that the table does not have.
+const frame::Knob* knob_of(const Point& point) {
+    const auto knobs = frame::knobs();
+    const auto found = std::find_if(knobs.begin(), knobs.end(),
+                                    [&](const frame::Knob& k) { return k.name == point.settings.front().first; });
+    return found != knobs.end() ? &*found : nullptr;
+}
+
+frame::KnobScope scope_of(const Point& point) {
+    const frame::Knob* const knob = knob_of(point);
+    return knob != nullptr ? knob->scope : frame::KnobScope::all;
+}
+
+/// Whether a technique of its own is switched on, which other settings than the knobs of its scope leave as it is.
+bool is_technique(frame::KnobScope scope) {
+    return scope == frame::KnobScope::panorama || scope == frame::KnobScope::reprojection;
+}
+
 bool are_compatible(const Point& a, const Point& b) {
-    for (const auto& [name, value] : a.settings)
-        for (const auto& [other, other_value] : b.settings)
-            if (name == other) return false;
-    return true;
+    using enum frame::KnobScope;
+    if (a.settings.front().first == b.settings.front().first) return false;
+    // Mode reproject takes no notice of what belongs to mode hybrid.
+    const frame::KnobScope one = scope_of(a), other = scope_of(b);
+    return (one == reprojection) == (other == reprojection) || one == all || other == all;
+}
+
+/// What two points have in common, and exact frames have not: the technique that both knobs need, with all of its knobs
+/// at their defaults. Null where that was not measured.
+const Point* common_ground(const Point& a, const Point& b, std::span<const Point* const> singles, const Point& exact) {
+    const frame::KnobScope scope = scope_of(a);
+    if (scope != scope_of(b) || !is_technique(scope)) return &exact;
+    for (const Point* point : singles) {
+        const frame::Knob* const knob = knob_of(*point);
+        if (knob != nullptr && knob->scope == scope && point->settings.front().second == knob->default_value)
+            return point;
+    }
+    return nullptr;
 }
 
 }  // namespace
@@ -43,11 +75,13 @@ std::vector<KnobSettings> promising_pairs(std::span<const Point* const> singles,
             const Point &a = *singles[i], &b = *singles[j];
             if (a.time_ratio() > kWorthwhileRatio || b.time_ratio() > kWorthwhileRatio || !are_compatible(a, b))
                 continue;
+            const Point* const ground = common_ground(a, b, singles, exact);
+            if (ground == nullptr) continue;
             Point guess;
             guess.settings = a.settings;
             guess.settings.insert(guess.settings.end(), b.settings.begin(), b.settings.end());
-            guess.times = {.median_ms = a.time_ratio() * b.time_ratio(), .exact_median_ms = 1.0};
-            guess.errors.flip_mean = a.errors.flip_mean + b.errors.flip_mean - exact.errors.flip_mean;
+            guess.times = {.median_ms = a.time_ratio() * b.time_ratio() / ground->time_ratio(), .exact_median_ms = 1.0};
+            guess.errors.flip_mean = a.errors.flip_mean + b.errors.flip_mean - ground->errors.flip_mean;
             guesses.push_back(std::move(guess));
         }
     // The front first; then the front of the rest, until there are enough.

@@ -30,7 +30,10 @@ Result<Sweep> sweep(const Bench& bench, int pairs);
 [[nodiscard]] std::vector<const Point*> pareto_front(std::span<const Point* const> points);
 
 /// Two-knob settings that promise most: from values that save time by themselves, those pairs of different knobs that
-/// would be on the front if times multiplied and errors added.
+/// would be on the front if times multiplied and errors added. Of two knobs of one technique, what the technique itself
+/// saves and spoils counts once; a pair of which one knob would have no effect is none.
+/// @param singles  one knob turned each
+/// @param exact    none turned
 [[nodiscard]] std::vector<KnobSettings> promising_pairs(std::span<const Point* const> singles, const Point& exact,
                                                         std::size_t count);
 

@@ -2,10 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "engine/core/jobs.h"
 #include "engine/core/log.h"
 #include "engine/core/write_file.h"
 #include "tools/accuracy/choose.h"
+#include "tools/accuracy/reference.h"
 #include "tools/accuracy/report.h"
 #include "tools/ff/machine.h"
 #include "tools/ff/session.h"
@@ -13,6 +16,13 @@
 namespace ff::tool {
 
 Status run_accuracy(const AccuracyOptions& options) {
+    constexpr int kMostPx = frame::Renderer::kMaxSidePx / accuracy::kSamplesPerSide;
+    if (std::max(options.view.size.width, options.view.size.height) > kMostPx)
+        return usage_error(
+            fmt::format("--size {}x{}: expected sides of {} pixels at most; the reference has {} x {} "
+                        "samples in each",
+                        options.view.size.width, options.view.size.height, kMostPx, accuracy::kSamplesPerSide,
+                        accuracy::kSamplesPerSide));
     // Before the minutes of work whose result goes there.
     std::error_code error;
     std::filesystem::create_directories(options.out, error);

@@ -3,23 +3,11 @@
 #include <cmath>
 #include <limits>
 
+#include "engine/core/quantile.h"
 #include "tools/ff/bench_run.h"
 
 namespace ff::tool {
 namespace {
-
-double median_of(std::vector<double> values) {
-    const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
-}
-
-/// The value that a share of all values do not exceed, share in (0, 1].
-double quantile_of(std::vector<double> values, double share) {
-    const auto rank = std::size_t(std::ceil(share * double(values.size()))) - 1;
-    std::nth_element(values.begin(), values.begin() + std::ptrdiff_t(rank), values.end());
-    return values[rank];
-}
 
 /// P3 Figure 6, over the frames in which something was reprojected; null for modes that never do.
 nlohmann::json causes_of(const ModeRun& run) {

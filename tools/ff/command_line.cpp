@@ -212,7 +212,8 @@ int run(int argc, const char* const* argv) {
     add_scene_options(*accuracy_app, accuracy.view);
     accuracy_app->add_option("--out", accuracy.out, "Folder for accuracy.html, accuracy.json and pictures")
         ->capture_default_str();
-    accuracy_app->add_flag("--quick", accuracy.quick, "Few frames, one lap: minutes instead of a quarter of an hour");
+    accuracy_app->add_flag("--quick", accuracy.quick,
+                           "Few frames and pairs of knobs: minutes instead of a quarter of an hour");
 
     try {
         app.parse(argc, argv);

@@ -19,11 +19,17 @@ std::pair<int, int> drawn_pixel(const frame::FrameHistory& history, const shadin
 }
 
 /// Codes in the image's own layout.
+/// Causes of the last frame's pixels; null where nothing was reprojected.
+const farfield::Reprojection::Causes* last_causes(const frame::FrameHistory& history) {
+    const farfield::ReprojectCounts& counts = history.last_stats.causes;
+    const std::uint64_t pixels = counts.verified + counts.background + counts.failed + counts.resampled + counts.abrupt;
+    return pixels > 0 ? &history.reprojection->causes() : nullptr;
+}
+
 std::vector<PixelSource> pixel_sources(const frame::FrameHistory& history, const shading::Image& image) {
     std::vector<PixelSource> codes(image.pixels.size(), PixelSource::cast_hit);
     const frame::SourceMasks& masks = history.sources;
-    const bool was_reprojected = history.last_mode == frame::Mode::reproject && history.reprojection;
-    const auto* causes = was_reprojected ? &history.reprojection->causes() : nullptr;
+    const auto* causes = last_causes(history);
     for (int row = 0; row < image.height; ++row)
         for (int column = 0; column < image.width; ++column) {
             PixelSource& code = codes[std::size_t(row) * std::size_t(image.stride) + std::size_t(column)];
@@ -34,7 +40,7 @@ std::vector<PixelSource> pixel_sources(const frame::FrameHistory& history, const
                 code = PixelSource::sky;
             else if (masks.panorama.test(x, y))
                 code = PixelSource::panorama;
-            else if (was_reprojected && causes->at(x, y) == farfield::PixelCause::verified)
+            else if (causes != nullptr && causes->at(x, y) == farfield::PixelCause::verified)
                 code = PixelSource::verified;
             else if (history.visibility.instance[history.visibility.index(x, y)] == farfield::kSkyInstance)
                 code = PixelSource::cast_miss;
@@ -61,12 +67,12 @@ void paint_texel_ages(const frame::Renderer& renderer, shading::Image& image) {
 void paint_causes(const frame::Renderer& renderer, shading::Image& image) {
     const frame::FrameHistory& history = renderer.history();
     std::vector<farfield::PixelCause> causes(image.pixels.size(), farfield::PixelCause::failed);
-    const bool was_reprojected = history.last_mode == frame::Mode::reproject && history.reprojection &&
-                                 history.reprojection->causes().failed.width == image.width;
-    for (int y = 0; y < image.height && was_reprojected; ++y)
-        for (int x = 0; x < image.width; ++x)
-            causes[std::size_t(y) * std::size_t(image.stride) + std::size_t(x)] =
-                history.reprojection->causes().at(x, y);
+    if (const auto* last = last_causes(history))
+        for (int row = 0; row < image.height; ++row)
+            for (int column = 0; column < image.width; ++column) {
+                const auto [x, y] = drawn_pixel(history, image, column, row);
+                causes[std::size_t(row) * std::size_t(image.stride) + std::size_t(column)] = last->at(x, y);
+            }
     debug::paint_causes(causes, image.width, image.height, image.stride, image);
 }
 

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "engine/core/log.h"
+#include "engine/core/quantile.h"
 #include "engine/core/write_file.h"
 #include "engine/platform/output.h"
 #include "tools/ff/session.h"
@@ -65,21 +66,18 @@ Status walk_headless(const WalkOptions& options) {
     }
     if (video) FF_TRY(video->close());
 
-    std::vector<double> sorted = times;
-    std::sort(sorted.begin(), sorted.end());
+    const double median = median_of(times), p99 = quantile_of(times, 0.99);
+    const double worst = *std::max_element(times.begin(), times.end());
     const nlohmann::json stats{{"scene", session->world().info().name},
                                {"walk", walk.name},
                                {"width", options.view.size.width},
                                {"height", options.view.size.height},
                                {"gl_renderer", session->gl_renderer_name()},
-                               {"frame_ms",
-                                {{"median", sorted[sorted.size() / 2]},
-                                 {"p99", sorted[(sorted.size() - 1) * 99 / 100]},
-                                 {"max", sorted.back()}}},
+                               {"frame_ms", {{"median", median}, {"p99", p99}, {"max", worst}}},
                                {"frames", frames}};
     FF_TRY(write_file_whole(options.out / "stats.json", stats.dump(1)));
     log_info("walked '{}' of {}: {} frames, median {:.2f} ms, worst {:.2f} ms", walk.name, session->world().info().name,
-             times.size(), sorted[sorted.size() / 2], sorted.back());
+             times.size(), median, worst);
     log_info("{}: {} pictures{} and stats.json", std::filesystem::absolute(options.out).string(), pictures,
              video ? ", walk.mp4" : "");
     return {};
