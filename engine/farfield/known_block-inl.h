@@ -24,11 +24,11 @@ constexpr int kBlock = BvhLeaf::kMaxDirect;
 constexpr int kFilled = std::max(kBlock, kLanes);  // registers wider than a block repeat its last triangle
 
 // Up to eight triangles of any instances.
-struct alignas(64) Block {
-    const Linear* shared = nullptr;  // all lanes' X W, Y W, W, if they are of one instance, as most are; else
-    float linear[3][4][kFilled];     // each lane's; x y z c
-    float position[3][3][kFilled];   // corner, axis; mesh space
-    std::uint32_t alpha = 0;         // bit per triangle that is masked or blended
+struct Block {
+    alignas(64) float position[3][3][kFilled];  // corner, axis; mesh space
+    alignas(64) float linear[3][4][kFilled];    // each lane's X W, Y W, W: x y z c
+    const Linear* shared = nullptr;             // instead, where all lanes are of one instance, as most are
+    std::uint32_t alpha = 0;                    // bit per triangle that is masked or blended
 };
 
 // Transforms of the instances that came last: a tile's candidates alternate between a few.
