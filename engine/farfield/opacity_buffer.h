@@ -5,7 +5,8 @@
 // Based on: Wimmer, Giegl, Schmalstieg, "Fast Walkthroughs with Image Caches and Ray Casting", VE'99, sections 4.1 and
 // 7: a software renderer without shading and depth. Tiles of row masks and the test of boxes against them follow
 // Hasselgren, Andersson, Akenine-Moller, "Masked Software Occlusion Culling", HPG 2016; ours needs no depth, as it
-// only asks whether a pixel is covered; who draws cells that reach beyond the near distance must cut off what lies there.
+// only asks whether a pixel is covered; who draws cells that reach beyond the near distance must cut off what lies
+// there.
 //
 // A set bit is a promise: the near raster covers the pixel. A missing bit only costs a ray. So triangles are drawn a
 // little too small (see OpacitySettings::inset_px), and what is masked or blended is not drawn at all.

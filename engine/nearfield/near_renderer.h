@@ -36,9 +36,10 @@ class NearRenderer {
     ~NearRenderer();
 
     /// Draws the set and writes every pixel of `out` (resized to the view): the nearest triangle's id as the ray
-    /// casters name it, and its depth; kUnresolved and +inf where there is none within set.complete_within_m. Blended triangles are there or not in
-    /// proportion to their alpha, by the casters' own hash, so that the far field goes on where the near one ends.
-    /// Where it pays, instances behind what is big and near are left out (set_occlusion); that changes no pixel.
+    /// casters name it, and its depth; kUnresolved and +inf where there is none within set.complete_within_m. Blended
+    /// triangles are there or not in proportion to their alpha, by the casters' own hash, so that the far field goes on
+    /// where the near one ends. Where it pays, instances behind what is big and near are left out (set_occlusion); that
+    /// changes no pixel.
     Status render_ids(const PinholeView& view, const DrawSet& set, farfield::VisibilityBuffer& out, NearStats& stats);
 
     /// Draws and shades the set, the sky behind it, blended triangles back to front over both; reads the picture back.
