@@ -21,6 +21,7 @@
 #include "engine/shading/shading_pass.h"
 #include "tests/bench/cpu_watch.h"
 #include "tests/bench/pack_walk.h"
+#include "tests/support/tiles.h"
 
 namespace {
 
@@ -68,14 +69,7 @@ struct Variant {
 };
 
 std::vector<farfield::TileRequest> whole_image() {
-    std::vector<farfield::TileRequest> tiles;
-    for (int y = 0; y < kHeight; y += farfield::kTileSize)
-        for (int x = 0; x < kWidth; x += farfield::kTileSize) {
-            farfield::TileRequest tile{std::uint16_t(x), std::uint16_t(y), {}};
-            for (std::uint16_t& row : tile.rows) row = 0xFFFF;
-            tiles.push_back(tile);
-        }
-    return tiles;
+    return test::all_tiles(kWidth, kHeight);
 }
 
 class Bench {

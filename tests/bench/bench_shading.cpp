@@ -22,6 +22,7 @@
 #include "tests/bench/bench_world.h"
 #include "tests/bench/cpu_watch.h"
 #include "tests/bench/pack_walk.h"
+#include "tests/support/tiles.h"
 
 namespace {
 
@@ -30,14 +31,7 @@ using namespace ff;
 constexpr int kWidth = 640, kHeight = 480;
 
 std::vector<farfield::TileRequest> whole_image() {
-    std::vector<farfield::TileRequest> tiles;
-    for (int y = 0; y < kHeight; y += farfield::kTileSize)
-        for (int x = 0; x < kWidth; x += farfield::kTileSize) {
-            farfield::TileRequest tile{std::uint16_t(x), std::uint16_t(y), {}};
-            for (std::uint16_t& row : tile.rows) row = 0xFFFF;
-            tiles.push_back(tile);
-        }
-    return tiles;
+    return test::all_tiles(kWidth, kHeight);
 }
 
 struct Shot {

@@ -13,6 +13,7 @@
 #include "engine/core/jobs.h"
 #include "engine/farfield/alpha_test.h"
 #include "engine/farfield/ray_caster.h"
+#include "tests/support/tiles.h"
 #include "tests/support/worlds.h"
 
 namespace ff::farfield {
@@ -111,15 +112,7 @@ OracleHit oracle_hit(const std::vector<OracleTriangle>& triangles, const DVec3& 
 }
 
 std::vector<TileRequest> all_tiles(const PinholeView& view) {
-    std::vector<TileRequest> tiles;
-    for (int y = 0; y < view.height; y += kTileSize) {
-        for (int x = 0; x < view.width; x += kTileSize) {
-            TileRequest tile{.x = std::uint16_t(x), .y = std::uint16_t(y)};
-            for (std::uint16_t& row : tile.rows) row = 0xFFFF;
-            tiles.push_back(tile);
-        }
-    }
-    return tiles;
+    return test::all_tiles(view.width, view.height);
 }
 
 VisibilityBuffer cast_all(RayCaster& caster, const PinholeView& view) {

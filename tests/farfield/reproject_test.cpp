@@ -10,6 +10,7 @@
 #include "engine/farfield/reproject_reference.h"
 #include "engine/farfield/reproject_votes.h"
 #include "engine/farfield/visibility_difference.h"
+#include "tests/support/tiles.h"
 #include "tests/support/worlds.h"
 
 namespace ff::farfield {
@@ -18,14 +19,7 @@ namespace {
 constexpr int kWidth = 152, kHeight = 120;  // no whole number of tiles
 
 std::vector<TileRequest> whole_image() {
-    std::vector<TileRequest> tiles;
-    for (int y = 0; y < kHeight; y += kTileSize)
-        for (int x = 0; x < kWidth; x += kTileSize) {
-            TileRequest tile{std::uint16_t(x), std::uint16_t(y), {}};
-            for (std::uint16_t& row : tile.rows) row = 0xFFFF;
-            tiles.push_back(tile);
-        }
-    return tiles;
+    return test::all_tiles(kWidth, kHeight);
 }
 
 struct Motion {
