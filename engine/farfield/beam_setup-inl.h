@@ -103,11 +103,17 @@ struct Edge {
     VF error;    // to be added to c
 };
 
+// The constant is that of the edge's middle, not the cross product of its vertices: where an edge is short, as most in
+// the distance are, that would be the small difference of two large numbers.
 HWY_INLINE Edge projected_edge(const Corner& p, const Corner& q) {
-    const VF u = hn::Mul(p.x, q.y), v = hn::Mul(p.y, q.x);
-    Edge e{hn::Sub(p.y, q.y), hn::Sub(q.x, p.x), hn::Sub(u, v), hn::Zero(f)};
-    const VF terms = hn::Add(hn::Add(hn::Abs(u), hn::Abs(v)),
-                             hn::Mul(hn::Add(hn::Abs(e.a), hn::Abs(e.b)), hn::Set(f, float(kBeamSize / 2))));
+    const VF half = hn::Set(f, 0.5f);
+    const VF x = hn::Mul(half, hn::Add(p.x, q.x)), y = hn::Mul(half, hn::Add(p.y, q.y));
+    Edge e{hn::Sub(p.y, q.y), hn::Sub(q.x, p.x), hn::Zero(f), hn::Zero(f)};
+    const VF b_y = hn::Mul(e.b, y);
+    e.c = hn::NegMulSub(e.a, x, b_y);
+    const VF reach = hn::Set(f, float(kBeamSize / 2));
+    const VF terms =
+        hn::MulAdd(hn::Abs(e.a), hn::Add(reach, hn::Abs(x)), hn::Mul(hn::Abs(e.b), hn::Add(reach, hn::Abs(y))));
     e.error = hn::Mul(terms, hn::Set(f, kEdgeError));
     return e;
 }
