@@ -64,32 +64,47 @@ HWY_INLINE VF lookup(const float* HWY_RESTRICT table, VI index, int count) {
     }
 }
 
-// Stores a register of tile-space vertices from entry `at` on; true in lanes that could be projected.
-HWY_INLINE MF store_vertices(VF hx, VF hy, VF hw, LeafScratch& s, int at) {
+// Stores a register of vertices from entry `at` on, projected; true in lanes that could be.
+HWY_INLINE MF store_projected(VF hx, VF hy, VF hw, LeafScratch& s, int at) {
     const VF limit = hn::Set(f, kMaxProjected);
     const VF iw = hn::Div(hn::Set(f, 1.0f), hw);
     const VF px = hn::Mul(hx, iw), py = hn::Mul(hy, iw);
     hn::StoreU(px, f, s.x + at);
     hn::StoreU(py, f, s.y + at);
     hn::StoreU(iw, f, s.iw + at);
+    return hn::And(hn::Gt(hw, hn::Set(f, kMinW)), hn::And(hn::Le(hn::Abs(px), limit), hn::Le(hn::Abs(py), limit)));
+}
+
+HWY_INLINE void store_homogeneous(VF hx, VF hy, VF hw, LeafScratch& s, int at) {
     hn::StoreU(hx, f, s.hx + at);
     hn::StoreU(hy, f, s.hy + at);
     hn::StoreU(hw, f, s.hw + at);
-    return hn::And(hn::Gt(hw, hn::Set(f, kMinW)), hn::And(hn::Le(hn::Abs(px), limit), hn::Le(hn::Abs(py), limit)));
+}
+
+// Both; true in lanes that could be projected.
+HWY_INLINE MF store_vertices(VF hx, VF hy, VF hw, LeafScratch& s, int at) {
+    store_homogeneous(hx, hy, hw, s, at);
+    return store_projected(hx, hy, hw, s, at);
 }
 
 // Fills the tile-space vertices; true when all of them could be projected.
 HWY_INLINE bool transform_vertices(const BvhLeaf& leaf, const Linear (&xyw)[3], LeafScratch& s) {
+    const auto for_each = [&](auto&& store) HWY_ATTR {
+        for (int v = 0; v < leaf.vertex_count; v += kLanes) {
+            const VF x = hn::Load(f, leaf.x + v), y = hn::Load(f, leaf.y + v), z = hn::Load(f, leaf.z + v);
+            const auto apply = [&](const Linear& l) HWY_ATTR {
+                return hn::MulAdd(hn::Set(f, l.x), x,
+                                  hn::MulAdd(hn::Set(f, l.y), y, hn::MulAdd(hn::Set(f, l.z), z, hn::Set(f, l.c))));
+            };
+            store(apply(xyw[0]), apply(xyw[1]), apply(xyw[2]), v);
+        }
+    };
     MF projected = hn::MaskFromVec(hn::BitCast(f, hn::Set(si, -1)));
-    for (int v = 0; v < leaf.vertex_count; v += kLanes) {
-        const VF x = hn::Load(f, leaf.x + v), y = hn::Load(f, leaf.y + v), z = hn::Load(f, leaf.z + v);
-        const auto apply = [&](const Linear& l) {
-            return hn::MulAdd(hn::Set(f, l.x), x,
-                              hn::MulAdd(hn::Set(f, l.y), y, hn::MulAdd(hn::Set(f, l.z), z, hn::Set(f, l.c))));
-        };
-        projected = hn::And(projected, store_vertices(apply(xyw[0]), apply(xyw[1]), apply(xyw[2]), s, v));
-    }
-    return hn::AllTrue(f, projected);
+    for_each([&](VF hx, VF hy, VF hw, int v)
+                 HWY_ATTR { projected = hn::And(projected, store_projected(hx, hy, hw, s, v)); });
+    if (HWY_LIKELY(hn::AllTrue(f, projected))) return true;
+    for_each([&](VF hx, VF hy, VF hw, int v) HWY_ATTR { store_homogeneous(hx, hy, hw, s, v); });
+    return false;
 }
 
 struct Corner {
