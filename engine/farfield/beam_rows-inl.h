@@ -151,8 +151,12 @@ HWY_NOINLINE MF opaque_lanes(MF win, AlphaDraw& draw, const LeafScratch& s, int 
         }
         if (hn::AllFalse(f, win)) return win;
     }
-    const VF w0 = hn::Mul(e[0], hn::Set(f, s.weight[0][i])), w1 = hn::Mul(e[1], hn::Set(f, s.weight[1][i]));
-    const VF w2 = hn::Mul(e[2], hn::Set(f, s.weight[2][i]));
+    // Barycentrics by the edges as they are: of a triangle smaller than a pixel their widening is a good part of a
+    // texel.
+    const auto weight_of = [&](int k) {
+        return hn::Mul(hn::Sub(e[k], hn::Set(f, s.widening[k][i])), hn::Set(f, s.weight[k][i]));
+    };
+    const VF w0 = weight_of(0), w1 = weight_of(1), w2 = weight_of(2);
     const VF inverse_sum = hn::Div(hn::Set(f, 1.0f), hn::Add(w0, hn::Add(w1, w2)));
     const VF b1 = hn::Mul(w1, inverse_sum), b2 = hn::Mul(w2, inverse_sum);
     const VF b0 = hn::Sub(hn::Sub(hn::Set(f, 1.0f), b1), b2);

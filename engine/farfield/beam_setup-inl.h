@@ -31,6 +31,7 @@ struct alignas(64) LeafScratch {
     float x[32], y[32], iw[32];    // projected
     float hx[32], hy[32], hw[32];  // homogeneous; filled only where a vertex cannot be projected
     float a[3][16], b[3][16], c[3][16];
+    float widening[3][16];         // what of c is not the edge's own
     float gx[16], gy[16], g0[16];  // 1/depth as a plane over the tile
     float low[16], high[16];       // its range over the triangle
     float weight[3][16];           // edge function to (unnormalised) barycentric
@@ -354,6 +355,7 @@ HWY_NOINLINE std::uint32_t set_up(const BvhLeaf& leaf, int first, const Tile& ti
         hn::Store(e[k].b, f, s.b[k] + first);
         hn::Store(kWidened ? e[k].c : plain_c[k], f, s.c[k] + first);
         hn::Store(scale[k], f, s.weight[k] + first);
+        if constexpr (kWidened) hn::Store(e[k].error, f, s.widening[k] + first);
     }
     hn::Store(gx, f, s.gx + first);
     hn::Store(gy, f, s.gy + first);
