@@ -17,6 +17,7 @@
 #include "engine/farfield/visibility_buffer.h"
 #include "engine/frame/settings.h"
 #include "engine/frame/stats.h"
+#include "engine/frame/sun_pass.h"
 #include "engine/math/camera.h"
 #include "engine/shading/layer_pass.h"
 #include "engine/shading/shading_pass.h"
@@ -43,10 +44,12 @@ struct FrameHistory {
     shading::Image panorama_colors;                ///< where its texels are shaded
     bool panorama_is_full = false;                 ///< it held all that the last frame saw, and the viewer stood
     float panorama_blend_within_m = 0.0f;          ///< what its texels look past
+    bool panorama_sun_shadows = false;             ///< whether they have them
     shading::LayerScratch layers;                  ///< scratch: transparent layers on their way into the image
     shading::Image reduced;                        ///< a frame that is drawn smaller than it is shown
     shading::Upscaler upscaler;
     std::unique_ptr<farfield::Reprojection> reprojection;  ///< made when a plan first asks for it
+    std::unique_ptr<SunLight> sun;                         ///< likewise
     SourceMasks sources;
     std::vector<farfield::TileRequest> wanted;    ///< scratch: what neither near field nor horizon answers
     std::vector<farfield::TileRequest> requests;  ///< scratch: what is to be cast

@@ -133,8 +133,8 @@ void draw_near_field(const FramePlan& plan, const Tools& tools, FrameHistory& hi
     }
 }
 
-shading::ShadeSettings shade_settings(const FramePlan& plan) {
-    return {.prelit_beyond_m = plan.prelit_beyond_m};
+shading::ShadeSettings shade_settings(const FramePlan& plan, const std::uint8_t* sun_seen) {
+    return {.prelit_beyond_m = plan.prelit_beyond_m, .sun_seen = sun_seen};
 }
 
 /// Whether something blended may be near enough to be a transparent layer.
@@ -153,8 +153,8 @@ void blend_layers(const FramePlan& plan, const Tools& tools, FrameHistory& histo
     const TimedPass timed(stats, Pass::blend);
     const farfield::LayerScene layers{tools.scene, tools.layer_index,
                                       plan.dynamic.empty() ? nullptr : &tools.dynamic_overlay.moving()};
-    stats.layers = shading::blend_layers(layers, plan.view, history.visibility, history.all_tiles, shade_settings(plan),
-                                         history.layers, image);
+    stats.layers = shading::blend_layers(layers, plan.view, history.visibility, history.all_tiles,
+                                         shade_settings(plan, nullptr), history.layers, image);
 }
 
 /// The map for frames like this one, told where the viewer stands.
@@ -169,8 +169,10 @@ void begin_panorama(const FramePlan& plan, FrameHistory& history) {
         history.panorama_colors.resize(size, 6 * size);
         populate_pages(history.panorama_colors.pixels);
     }
-    if (history.panorama_blend_within_m != plan.view.blend_within_m) history.panorama->clear();
+    if (history.panorama_blend_within_m != plan.view.blend_within_m || history.panorama_sun_shadows != plan.sun_shadows)
+        history.panorama->clear();
     history.panorama_blend_within_m = plan.view.blend_within_m;
+    history.panorama_sun_shadows = plan.sun_shadows;
     history.panorama->begin_frame(plan.view.position);
 }
 
@@ -194,10 +196,12 @@ std::uint64_t fill_panorama(const FramePlan& plan, const Tools& tools, const far
             stats.rays +=
                 tools.casters.get(plan.caster, plan.grid_cells_per_item).cast_tiles(view, texels, panorama.map()).rays;
         }
+        const std::uint8_t* const sun_seen =
+            find_sun_of_panorama(plan, tools.scene, view, panorama.map(), texels, history.sun, stats);
         {
             const TimedPass timed(stats, Pass::shade);
             stats.shaded_pixels += shading::shade_tiles(tools.scene, {}, view, panorama.map(), texels,
-                                                        shade_settings(plan), history.panorama_colors);
+                                                        shade_settings(plan, sun_seen), history.panorama_colors);
         }
         const TimedPass timed(stats, Pass::store);
         panorama.commit_fill(face, history.panorama_colors.pixels, history.panorama_colors.stride);
@@ -330,8 +334,12 @@ void draw_surfaces(const FramePlan& plan, const Tools& tools, FrameHistory& hist
         remove(sources.verified, coloured);
         const PixelMask* const done[] = {&coloured};
         collect_requests(history.all_tiles, done, history.to_shade);
+    }
+    const std::uint8_t* const sun_seen = find_sun(plan, tools.scene, visibility, history.to_shade, history.sun, stats);
+    {
+        const TimedPass timed(stats, Pass::shade);
         stats.shaded_pixels += shading::shade_tiles(tools.scene, plan.dynamic, plan.view, visibility, history.to_shade,
-                                                    shade_settings(plan), image);
+                                                    shade_settings(plan, sun_seen), image);
     }
     if (plan.store_panorama) {
         const TimedPass timed(stats, Pass::store);
