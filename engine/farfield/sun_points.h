@@ -18,10 +18,12 @@ struct PointPool {
     static constexpr int kTiles = 4;
     static constexpr int kMost = kTiles * kTileSize * kTileSize;
     int count = 0;
-    float s[kMost], t[kMost], d[kMost];  // already above their surfaces
-    float footprint[kMost];
-    std::uint32_t own_instance[kMost], own_triangle[kMost];
-    std::uint32_t answer[kMost];  ///< index into `lit`
+    // With room for a register that is stored beyond the last.
+    static constexpr int kRoom = kMost + 16;
+    float s[kRoom], t[kRoom], d[kRoom];  // already above their surfaces
+    float footprint[kRoom];
+    std::uint32_t own_instance[kRoom], own_triangle[kRoom];
+    std::uint32_t answer[kRoom];  ///< index into `lit`
 };
 
 /// Answers the pixels of a tile that need no ray, and adds the others to the pool, which has room for a tile.

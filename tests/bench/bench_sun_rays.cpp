@@ -1,7 +1,7 @@
 // Sun rays against Embree's occlusion queries, the same points and the same sun, on sixteen views of a pack's walk: one
 // worker, interleaved, in processor time. Whole images; a tenth of the pixels, strewn; the edge pixels alone. Ours has
 // to find the points and their normals first, Embree's rays are made beforehand.
-// Usage: bench_sun_rays PACK.ffpack:WALK [laps] [views] [width] [height]
+// Usage: bench_sun_rays PACK.ffpack:WALK [laps] [views] [width] [height] [ours]: "ours" leaves Embree out, for profiles
 
 #include <embree3/rtcore.h>
 #include <fmt/core.h>
@@ -11,6 +11,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -93,13 +94,13 @@ class EmbreeShadows {
 
     /// Rays as Embree takes them, kLanes at a time, in the given order.
     template <class Packet, int kLanes>
-    std::vector<Packet> packets_of(std::span<const farfield::ShadowRay> rays) const {
+    static std::vector<Packet> packets_of(const WorldPos& scene_origin, std::span<const farfield::ShadowRay> rays) {
         std::vector<Packet> packets((rays.size() + kLanes - 1) / kLanes);
         for (std::size_t i = 0; i < packets.size() * kLanes; ++i) {
             Packet& p = packets[i / kLanes];
             const std::size_t lane = i % kLanes;
             const farfield::ShadowRay& ray = rays[std::min(i, rays.size() - 1)];
-            const Vec3 origin(ray.origin - scene_.origin), direction(ray.direction);
+            const Vec3 origin(ray.origin - scene_origin), direction(ray.direction);
             p.org_x[lane] = origin.x, p.org_y[lane] = origin.y, p.org_z[lane] = origin.z;
             p.dir_x[lane] = direction.x, p.dir_y[lane] = direction.y, p.dir_z[lane] = direction.z;
             p.tnear[lane] = 0.0f;
@@ -204,19 +205,19 @@ Rays rays_of(const scene::StaticScene& scene, const PinholeView& view, const far
 }
 
 struct Row {
-    enum : std::size_t { kOurs, k16, k8, k1, kWays };
+    enum Way : std::size_t { kOurs, k16, k8, k1, kWays };
     const char* name;
     std::uint64_t rays = 0, lit = 0, different = 0, nodes = 0, triangles = 0;
     std::array<double, kWays> least{}, middle{};  // seconds
 };
 
-void run_view(const scene::StaticScene& scene, farfield::SunRays& ours, const EmbreeShadows& embree,
+void run_view(const scene::StaticScene& scene, farfield::SunRays& ours, const EmbreeShadows* embree,
               const PinholeView& view, const farfield::VisibilityBuffer& visibility, std::span<const TileRequest> tiles,
               const Vec3& to_sun, int laps, Row& row) {
-    const Rays rays = rays_of(scene, view, visibility, tiles, to_sun);
-    if (rays.rays.empty()) return;
-    const auto fresh16 = embree.packets_of<RTCRay16, 16>(rays.rays);
-    const auto fresh8 = embree.packets_of<RTCRay8, 8>(rays.rays);
+    Rays rays;
+    if (embree != nullptr) rays = rays_of(scene, view, visibility, tiles, to_sun);
+    const auto fresh16 = EmbreeShadows::packets_of<RTCRay16, 16>(scene.origin, rays.rays);
+    const auto fresh8 = EmbreeShadows::packets_of<RTCRay8, 8>(scene.origin, rays.rays);
     std::vector<RTCRay> fresh1(rays.rays.size());
     for (std::size_t i = 0; i < fresh1.size(); ++i) {
         const RTCRay8& p = fresh8[i / 8];
@@ -245,14 +246,15 @@ void run_view(const scene::StaticScene& scene, farfield::SunRays& ours, const Em
     std::vector<RTCRay8> packets8;
     for (int lap = 0; lap < laps; ++lap) {
         timed(Row::kOurs, [&] { cost = ours.cast(view, visibility, tiles, {}, to_sun, lit.data()); });
+        if (embree == nullptr) continue;
         std::vector<RTCRay16> packets16 = fresh16;
         packets8 = fresh8;
         std::vector<RTCRay> single = fresh1;
-        timed(Row::k16, [&] { embree.occluded(packets16); });
-        timed(Row::k8, [&] { embree.occluded(packets8); });
-        timed(Row::k1, [&] { embree.occluded(single); });
+        timed(Row::k16, [&] { embree->occluded(packets16); });
+        timed(Row::k8, [&] { embree->occluded(packets8); });
+        timed(Row::k1, [&] { embree->occluded(single); });
     }
-    for (std::size_t way = 0; way < Row::kWays; ++way) {
+    for (std::size_t way = 0; way < (embree != nullptr ? std::size_t(Row::kWays) : 1u); ++way) {
         std::sort(seconds[way].begin(), seconds[way].end());
         row.least[way] += seconds[way].front();
         row.middle[way] += seconds[way][seconds[way].size() / 2];
@@ -289,7 +291,8 @@ int main(int argc, char** argv) {
     const scene::Walk& walk = *opened->walk;
     const Vec3 to_sun = scene.environment.to_sun;
     farfield::SunRays ours(scene);
-    const EmbreeShadows embree(scene);
+    const bool is_alone = argc > 6 && std::string(argv[6]) == "ours";
+    const auto embree = is_alone ? nullptr : std::make_unique<EmbreeShadows>(scene);
     const auto beams = farfield::make_beam_caster(scene);
     std::array<Row, 3> rows{Row{"whole"}, Row{"random 10%"}, Row{"edges"}};
     farfield::VisibilityBuffer visibility;
@@ -304,9 +307,10 @@ int main(int argc, char** argv) {
         const PinholeView view = make_view(walk.camera(i * walk.frames.size() / views), width, height);
         beams->cast_tiles(view, all, visibility);
         const auto edges = tiles_where(width, height, [&](int x, int y) { return is_edge(visibility, x, y); });
-        run_view(scene, ours, embree, view, visibility, all, to_sun, laps, rows[0]);
-        run_view(scene, ours, embree, view, visibility, tiles_where(width, height, is_strewn), to_sun, laps, rows[1]);
-        run_view(scene, ours, embree, view, visibility, edges, to_sun, laps, rows[2]);
+        run_view(scene, ours, embree.get(), view, visibility, all, to_sun, laps, rows[0]);
+        run_view(scene, ours, embree.get(), view, visibility, tiles_where(width, height, is_strewn), to_sun, laps,
+                 rows[1]);
+        run_view(scene, ours, embree.get(), view, visibility, edges, to_sun, laps, rows[2]);
     }
     fmt::print("{}, {} views, Mrays/s by the least and by the median of {} laps\n", name, views, laps);
     for (const Row& row : rows) {
