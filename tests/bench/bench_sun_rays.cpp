@@ -1,7 +1,8 @@
 // Sun rays against Embree's occlusion queries, the same points and the same sun, on sixteen views of a pack's walk: one
 // worker, interleaved, in processor time. Whole images; a tenth of the pixels, strewn; the edge pixels alone. Ours has
 // to find the points and their normals first, Embree's rays are made beforehand.
-// Usage: bench_sun_rays PACK.ffpack:WALK [laps] [views] [width] [height] [ours]: "ours" leaves Embree out, for profiles
+// Usage: bench_sun_rays PACK.ffpack:WALK [laps] [views] [width] [height] [ours [row]]: without Embree, and of one
+// row only, for profiles
 
 #include <embree3/rtcore.h>
 #include <fmt/core.h>
@@ -292,6 +293,7 @@ int main(int argc, char** argv) {
     const Vec3 to_sun = scene.environment.to_sun;
     farfield::SunRays ours(scene);
     const bool is_alone = argc > 6 && std::string(argv[6]) == "ours";
+    const std::size_t only = argc > 7 ? std::size_t(std::atoi(argv[7])) : 3;
     const auto embree = is_alone ? nullptr : std::make_unique<EmbreeShadows>(scene);
     const auto beams = farfield::make_beam_caster(scene);
     std::array<Row, 3> rows{Row{"whole"}, Row{"random 10%"}, Row{"edges"}};
@@ -303,14 +305,15 @@ int main(int argc, char** argv) {
         h = (h ^ (h >> 15)) * 0x2C1B3C6Du;
         return ((h ^ (h >> 12)) >> 8) % 10 == 0;
     };
+    const auto strewn = tiles_where(width, height, is_strewn);
     for (std::size_t i = 0; i < views; ++i) {
         const PinholeView view = make_view(walk.camera(i * walk.frames.size() / views), width, height);
         beams->cast_tiles(view, all, visibility);
         const auto edges = tiles_where(width, height, [&](int x, int y) { return is_edge(visibility, x, y); });
-        run_view(scene, ours, embree.get(), view, visibility, all, to_sun, laps, rows[0]);
-        run_view(scene, ours, embree.get(), view, visibility, tiles_where(width, height, is_strewn), to_sun, laps,
-                 rows[1]);
-        run_view(scene, ours, embree.get(), view, visibility, edges, to_sun, laps, rows[2]);
+        const std::array<std::vector<TileRequest>, 3> requests = {all, strewn, edges};
+        for (std::size_t r = 0; r < rows.size(); ++r)
+            if (only == rows.size() || only == r)
+                run_view(scene, ours, embree.get(), view, visibility, requests[r], to_sun, laps, rows[r]);
     }
     fmt::print("{}, {} views, Mrays/s by the least and by the median of {} laps\n", name, views, laps);
     for (const Row& row : rows) {
