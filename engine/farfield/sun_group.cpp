@@ -20,24 +20,21 @@ HWY_INLINE Vec3 reach_of_box(const Vec3& low, const Vec3& high) {
     return glm::max(glm::abs(low), glm::abs(high));
 }
 
-// Points of `all`, whose bits these are, that the instance hides.
-HWY_NOINLINE std::uint64_t hidden_by_instance(const scene::StaticScene& scene, std::uint32_t id, std::uint32_t first_id,
-                                              const LightFrame& light, const PointGroup& group, const SlabPoints& all,
-                                              std::uint64_t points, CastCost& cost) {
+// Takes from `left` those of the points that the instance hides.
+HWY_NOINLINE void hide_by_instance(const scene::StaticScene& scene, std::uint32_t id, std::uint32_t first_id,
+                                   const LightFrame& light, const GroupPoints& p, std::uint64_t points,
+                                   std::uint64_t& left, CastCost& cost) {
     const scene::Instance& instance = scene.instances[id];
     const scene::Mesh& mesh = scene.meshes[instance.mesh];
     const BvhNode* nodes = scene.mesh_nodes.data() + mesh.first_node;
     prefetch_all(nodes);
     const BvhLeaf* leaves = scene.mesh_leaves.data() + mesh.first_leaf;
-    const LightRows rows = light_rows(light, instance.world_from_mesh, instance.position - group.centre);
-    SlabPoints p;
-    pack_points(all.s, all.t, all.d, all.of_group, points, p);
-    const SunSpace space = sun_space(rows, reach_of_box(mesh.bounds.low, mesh.bounds.high), extent_of(p));
-    find_slabs(space, p);
-    const std::uint64_t asked = p.count < 64 ? (std::uint64_t(1) << p.count) - 1u : ~std::uint64_t(0);
-    std::uint64_t left = asked;
+    const LightRows rows = light_rows(light, instance.world_from_mesh, instance.position - p.group.centre);
+    const SunSpace space = sun_space(rows, reach_of_box(mesh.bounds.low, mesh.bounds.high), p.extent);
+    Slabs slabs;
+    find_slabs(space, p, slabs);
     walk_sunwards(
-        nodes, space, p, left, cost.nodes,
+        nodes, space, p, slabs, points, left, cost.nodes,
         [&](std::uint32_t child) {
             if (child & kBvhLeafBit)
                 prefetch_all(leaves + (child & ~kBvhLeafBit));
@@ -46,14 +43,8 @@ HWY_NOINLINE std::uint64_t hidden_by_instance(const scene::StaticScene& scene, s
         },
         [&](std::uint32_t leaf, std::uint64_t of_leaf) {
             cost.triangles += leaves[leaf].triangle_count;
-            left &= ~hidden_by_leaf({scene, leaves[leaf], id, first_id + id, group, p}, rows, of_leaf);
+            left &= ~hidden_by_leaf({scene, leaves[leaf], id, first_id + id, p}, rows, of_leaf);
         });
-    std::uint64_t hidden = 0;
-    for (std::uint64_t rest = asked & ~left; rest != 0; rest &= rest - 1) {
-        // The n-th point of the packing is the n-th of `points`.
-        hidden |= std::uint64_t(1) << p.of_group[std::countr_zero(rest)];
-    }
-    return hidden;
 }
 
 }  // namespace
@@ -61,15 +52,14 @@ HWY_NOINLINE std::uint64_t hidden_by_instance(const scene::StaticScene& scene, s
 void CastGroup(const scene::StaticScene& scene, std::uint32_t first_id, const LightFrame& light, PointGroup& group,
                CastCost& cost) {
     if (scene.instance_nodes.empty() || group.left == 0) return;
+    const GroupPoints p(group);
     const LightRows rows = light_rows(light, Mat3(1.0f), scene.origin - group.centre);
-    SlabPoints p;
-    pack_points(group.s, group.t, group.d, nullptr, group.left, p);
     const Vec3 reach = reach_of_box(Vec3(scene.bounds.low - scene.origin), Vec3(scene.bounds.high - scene.origin));
-    const SunSpace space = sun_space(rows, reach, extent_of(p));
-    find_slabs(space, p);
-    std::uint64_t left = p.count < 64 ? (std::uint64_t(1) << p.count) - 1u : ~std::uint64_t(0);
+    const SunSpace space = sun_space(rows, reach, p.extent);
+    Slabs slabs;
+    find_slabs(space, p, slabs);
     walk_sunwards(
-        scene.instance_nodes.data(), space, p, left, cost.nodes,
+        scene.instance_nodes.data(), space, p, slabs, group.left, group.left, cost.nodes,
         [&](std::uint32_t child) {
             if (child & kBvhLeafBit)
                 prefetch_all(scene.instances.data() + (child & ~kBvhLeafBit));
@@ -77,11 +67,7 @@ void CastGroup(const scene::StaticScene& scene, std::uint32_t first_id, const Li
                 prefetch_all(scene.instance_nodes.data() + child);
         },
         [&](std::uint32_t id, std::uint64_t points) {
-            const std::uint64_t hidden = hidden_by_instance(scene, id, first_id, light, group, p, points, cost);
-            if (hidden == 0) return;
-            group.left &= ~hidden;
-            for (int i = 0; i < p.count; ++i)
-                if ((hidden >> p.of_group[i]) & 1u) left &= ~(std::uint64_t(1) << i);
+            hide_by_instance(scene, id, first_id, light, p, points, group.left, cost);
         });
 }
 

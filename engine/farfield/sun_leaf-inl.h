@@ -42,8 +42,7 @@ struct LeafQuestion {
     const BvhLeaf& leaf;
     std::uint32_t instance;  // in the scene
     std::uint32_t name;      // as points name it
-    const PointGroup& group;
-    const SlabPoints& points;
+    const GroupPoints& points;
 };
 
 HWY_INLINE void light_vertices(const BvhLeaf& leaf, const LightRows& rows, LightLeaf& out) {
@@ -81,9 +80,9 @@ HWY_INLINE MF lanes_of(const BvhLeaf& leaf, int first) {
 // Whether triangle i, which the point's ray meets at these barycentrics, hides the sun from it.
 HWY_INLINE bool hides(const LeafQuestion& q, std::uint32_t triangle, int point, const AlphaSurface* surface, float b1,
                       float b2) {
-    const int i = q.points.of_group[point];
-    if (q.group.own_instance[i] == q.name && q.group.own_triangle[i] == triangle) return false;
-    return surface == nullptr || is_opaque_at(*surface, b1, b2, q.group.footprint[i]);
+    const PointGroup& group = q.points.group;
+    if (group.own_instance[point] == q.name && group.own_triangle[point] == triangle) return false;
+    return surface == nullptr || is_opaque_at(*surface, b1, b2, group.footprint[point]);
 }
 
 // Points that the leaf hides, for few of them.
@@ -96,8 +95,8 @@ HWY_INLINE std::uint64_t hidden_one_by_one(const LeafQuestion& q, const LightLea
         const MF valid = lanes_of(leaf, first);
         for (std::uint64_t rest = points & ~hidden; rest != 0; rest &= rest - 1) {
             const int point = std::countr_zero(rest);
-            const VF s = hn::Set(f, q.points.s[point]), t = hn::Set(f, q.points.t[point]);
-            const VF d = hn::Set(f, q.points.d[point]);
+            const VF s = hn::Set(f, q.points.group.s[point]), t = hn::Set(f, q.points.group.t[point]);
+            const VF d = hn::Set(f, q.points.group.d[point]);
             const VF as = hn::Sub(p[0].s, s), at = hn::Sub(p[0].t, t), bs = hn::Sub(p[1].s, s);
             const VF bt = hn::Sub(p[1].t, t), cs = hn::Sub(p[2].s, s), ct = hn::Sub(p[2].t, t);
             const VF u = hn::Sub(hn::Mul(cs, bt), hn::Mul(ct, bs));
@@ -139,22 +138,25 @@ HWY_INLINE std::uint64_t hidden_one_by_one(const LeafQuestion& q, const LightLea
 
 // Bounds of some points.
 struct PointBounds {
-    VF least_s, most_s, least_t, most_t, least_d;
+    float least_s, most_s, least_t, most_t, least_d;
 };
-HWY_INLINE PointBounds bounds_of(const SlabPoints& p, std::uint64_t points) {
-    VF low_s = hn::Set(f, kInf), high_s = hn::Set(f, -kInf), low_t = low_s, high_t = high_s, low_d = low_s;
-    for (int i = 0; i < p.count; i += kLanes) {
-        const std::uint32_t bits = std::uint32_t(points >> i) & ((1u << kLanes) - 1u);
-        if (bits == 0) continue;
-        const std::uint8_t bytes[8] = {std::uint8_t(bits), std::uint8_t(bits >> 8)};
-        const MF in = hn::LoadMaskBits(f, bytes);
-        const VF s = hn::Load(f, p.s + i), t = hn::Load(f, p.t + i), d = hn::Load(f, p.d + i);
-        low_s = hn::IfThenElse(in, hn::Min(low_s, s), low_s), high_s = hn::IfThenElse(in, hn::Max(high_s, s), high_s);
-        low_t = hn::IfThenElse(in, hn::Min(low_t, t), low_t), high_t = hn::IfThenElse(in, hn::Max(high_t, t), high_t);
-        low_d = hn::IfThenElse(in, hn::Min(low_d, d), low_d);
+// By eights.
+HWY_INLINE PointBounds bounds_of(const GroupPoints& p, std::uint64_t points) {
+    const std::uint32_t eights = eights_of_points(points);
+    PointBounds out{kInf, -kInf, kInf, -kInf, kInf};
+    for (int i = 0; i < kEights; i += kPointLanes) {
+        const std::uint8_t bytes[8] = {std::uint8_t(eights >> i)};
+        const MP in = hn::LoadMaskBits(pf, bytes);
+        const auto least = [&](const EightBounds& b) {
+            return hn::GetLane(hn::MinOfLanes(pf, hn::IfThenElse(in, hn::Load(pf, b.least + i), hn::Set(pf, kInf))));
+        };
+        const auto most = [&](const EightBounds& b) {
+            return hn::GetLane(hn::MaxOfLanes(pf, hn::IfThenElse(in, hn::Load(pf, b.most + i), hn::Set(pf, -kInf))));
+        };
+        out = {std::min(out.least_s, least(p.s)), std::max(out.most_s, most(p.s)), std::min(out.least_t, least(p.t)),
+               std::max(out.most_t, most(p.t)), std::min(out.least_d, least(p.d))};
     }
-    return {hn::MinOfLanes(f, low_s), hn::MaxOfLanes(f, high_s), hn::MinOfLanes(f, low_t), hn::MaxOfLanes(f, high_t),
-            hn::MinOfLanes(f, low_d)};
+    return out;
 }
 
 // Sets up kLanes triangles from `first` on; returns those that may hide a point within the bounds, as bits.
@@ -168,11 +170,11 @@ HWY_INLINE std::uint32_t set_up_light(const BvhLeaf& leaf, int first, const Poin
     const VF ac_s = hn::Sub(p[2].s, p[0].s), ac_t = hn::Sub(p[2].t, p[0].t);
     const VF size = hn::Max(hn::Max(hn::Abs(ab_s), hn::Abs(ab_t)), hn::Max(hn::Abs(ac_s), hn::Abs(ac_t)));
     const VF margin = hn::Mul(size, hn::Set(f, 4.0f * kEdgeError));  // more than what edges are widened by
-    MF alive = hn::And(lanes_of(leaf, first), hn::Gt(high, bounds.least_d));
-    alive = hn::And(
-        alive, hn::And(hn::Le(hn::Sub(low_s, margin), bounds.most_s), hn::Ge(hn::Add(high_s, margin), bounds.least_s)));
-    alive = hn::And(
-        alive, hn::And(hn::Le(hn::Sub(low_t, margin), bounds.most_t), hn::Ge(hn::Add(high_t, margin), bounds.least_t)));
+    MF alive = hn::And(lanes_of(leaf, first), hn::Gt(high, hn::Set(f, bounds.least_d)));
+    alive = hn::And(alive, hn::And(hn::Le(hn::Sub(low_s, margin), hn::Set(f, bounds.most_s)),
+                                   hn::Ge(hn::Add(high_s, margin), hn::Set(f, bounds.least_s))));
+    alive = hn::And(alive, hn::And(hn::Le(hn::Sub(low_t, margin), hn::Set(f, bounds.most_t)),
+                                   hn::Ge(hn::Add(high_t, margin), hn::Set(f, bounds.least_t))));
     if (hn::AllFalse(f, alive)) return 0;
 
     // Relative to corner 0, so that small triangles far from the group's centre keep their shape. Edge k lies opposite
@@ -216,49 +218,52 @@ HWY_INLINE std::uint32_t set_up_light(const BvhLeaf& leaf, int first, const Poin
 
 // Points that triangle i hides.
 HWY_INLINE std::uint64_t hidden_by_triangle(const LeafQuestion& q, const LightLeaf& l, int i, std::uint64_t points) {
-    const SlabPoints& p = q.points;
-    VF a[3], b[3], c[3];
+    const PointGroup& p = q.points.group;
+    VP a[3], b[3], c[3];
     for (int k = 0; k < 3; ++k) {
-        a[k] = hn::Set(f, l.a[k][i]);
-        b[k] = hn::Set(f, l.b[k][i]);
-        c[k] = hn::Set(f, l.c[k][i]);
+        a[k] = hn::Set(pf, l.a[k][i]);
+        b[k] = hn::Set(pf, l.b[k][i]);
+        c[k] = hn::Set(pf, l.c[k][i]);
     }
-    const VF s0 = hn::Set(f, l.s0[i]), t0 = hn::Set(f, l.t0[i]);
-    const VF gs = hn::Set(f, l.gs[i]), gt = hn::Set(f, l.gt[i]), g0 = hn::Set(f, l.g0[i]);
-    const VF low = hn::Set(f, l.low[i]), high = hn::Set(f, l.high[i]);
+    const VP s0 = hn::Set(pf, l.s0[i]), t0 = hn::Set(pf, l.t0[i]);
+    const VP gs = hn::Set(pf, l.gs[i]), gt = hn::Set(pf, l.gt[i]), g0 = hn::Set(pf, l.g0[i]);
+    const VP low = hn::Set(pf, l.low[i]), high = hn::Set(pf, l.high[i]);
     const std::uint32_t triangle = q.leaf.first_triangle + std::uint32_t(i);
     const bool is_see_through = ((q.leaf.alpha_triangles >> i) & 1) != 0;
     AlphaSurface surface;
     bool has_surface = false;
     std::uint64_t hidden = 0;
-    for (int at = 0; at < p.count; at += kLanes) {
-        const std::uint32_t asked = std::uint32_t(points >> at) & ((1u << kLanes) - 1u);
-        if (asked == 0) continue;
-        const VF s = hn::Sub(hn::Load(f, p.s + at), s0), t = hn::Sub(hn::Load(f, p.t + at), t0);
-        VF e[3];
-        for (int k = 0; k < 3; ++k) e[k] = hn::MulAdd(a[k], s, hn::MulAdd(b[k], t, c[k]));
-        // Not-a-number (a sliver's plane) becomes `low`: x86's max returns its second operand then.
-        const VF d = hn::Min(hn::Max(hn::MulAdd(gs, s, hn::MulAdd(gt, t, g0)), low), high);
-        const MF met = hn::And(hn::Ge(min3(e[0], e[1], e[2]), hn::Zero(f)), hn::Gt(d, hn::Load(f, p.d + at)));
-        std::uint32_t bits = bits_of(met) & asked;
-        if (bits == 0) continue;
-        alignas(64) float e0[16], e1[16], e2[16];
-        if (is_see_through) {
-            if (!has_surface)
-                surface = make_alpha_surface(q.scene, q.scene.instances[q.instance], q.instance, triangle);
-            has_surface = true;
-            hn::Store(e[0], f, e0);
-            hn::Store(e[1], f, e1);
-            hn::Store(e[2], f, e2);
+    for (std::uint32_t eights = eights_of_points(points); eights != 0; eights &= eights - 1) {
+        const int first = std::countr_zero(eights) * 8;
+        for (int at = first; at < first + 8; at += kPointLanes) {
+            const VP s = hn::Sub(hn::Load(pf, p.s + at), s0), t = hn::Sub(hn::Load(pf, p.t + at), t0);
+            VP e[3];
+            for (int k = 0; k < 3; ++k) e[k] = hn::MulAdd(a[k], s, hn::MulAdd(b[k], t, c[k]));
+            // Not-a-number (a sliver's plane) becomes `low`: x86's max returns its second operand then.
+            const VP d = hn::Min(hn::Max(hn::MulAdd(gs, s, hn::MulAdd(gt, t, g0)), low), high);
+            const VP inside = hn::Min(e[0], hn::Min(e[1], e[2]));
+            MP met = hn::And(hn::Ge(inside, hn::Zero(pf)), hn::Gt(d, hn::Load(pf, p.d + at)));
+            if (hn::AllFalse(pf, met)) continue;
+            const hn::RebindToUnsigned<P> pu;
+            const auto is_own = hn::And(hn::Eq(hn::Load(pu, p.own_instance + at), hn::Set(pu, q.name)),
+                                        hn::Eq(hn::Load(pu, p.own_triangle + at), hn::Set(pu, triangle)));
+            met = hn::AndNot(hn::RebindMask(pf, is_own), met);
+            std::uint32_t bits = point_bits(met) & std::uint32_t(points >> at) & ((1u << kPointLanes) - 1u);
+            if (HWY_UNLIKELY(is_see_through) && bits != 0) {
+                if (!has_surface)
+                    surface = make_alpha_surface(q.scene, q.scene.instances[q.instance], q.instance, triangle);
+                has_surface = true;
+                const VP per_sum = hn::Div(hn::Set(pf, 1.0f), hn::Add(e[0], hn::Add(e[1], e[2])));
+                alignas(32) float b1[8], b2[8];
+                hn::Store(hn::Mul(e[1], per_sum), pf, b1);
+                hn::Store(hn::Mul(e[2], per_sum), pf, b2);
+                for (std::uint32_t rest = bits; rest != 0; rest &= rest - 1) {
+                    const int lane = std::countr_zero(rest);
+                    if (!is_opaque_at(surface, b1[lane], b2[lane], p.footprint[at + lane])) bits &= ~(1u << lane);
+                }
+            }
+            hidden |= std::uint64_t(bits) << at;
         }
-        for (std::uint32_t rest = bits; rest != 0; rest &= rest - 1) {
-            const int lane = std::countr_zero(rest);
-            const float per_sum = is_see_through ? 1.0f / (e0[lane] + e1[lane] + e2[lane]) : 0.0f;
-            if (!hides(q, triangle, at + lane, is_see_through ? &surface : nullptr,
-                       is_see_through ? e1[lane] * per_sum : 0.0f, is_see_through ? e2[lane] * per_sum : 0.0f))
-                bits &= ~(1u << lane);
-        }
-        hidden |= std::uint64_t(bits) << at;
     }
     return hidden;
 }

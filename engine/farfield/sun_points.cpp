@@ -247,6 +247,9 @@ int make_group(const PointPool& pool, int first, const WorldPos& eye, const Ligh
         group.t[i] = pool.t[first + i] - t;
         group.d[i] = pool.d[first + i] - d;
     }
+    std::fill(group.s + count, std::end(group.s), group.s[count - 1]);
+    std::fill(group.t + count, std::end(group.t), group.t[count - 1]);
+    std::fill(group.d + count, std::end(group.d), group.d[count - 1]);
     std::copy_n(pool.footprint + first, count, group.footprint);
     std::copy_n(pool.own_instance + first, count, group.own_instance);
     std::copy_n(pool.own_triangle + first, count, group.own_triangle);

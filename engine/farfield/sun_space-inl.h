@@ -107,57 +107,103 @@ HWY_INLINE VF far_value(const SunSpace& space, const float* lanes) {
     return hn::MulAdd(hn::Set(f, space.d.x), hn::Load(f, lanes + space.row_x), y);
 }
 
-// Points of a group in a hierarchy's slabs, packed; filled up to whole registers by the last.
-struct SlabPoints {
-    int count = 0;
-    alignas(64) float s[64], t[64], d[64];
-    alignas(64) float slab[3][64];
-    std::uint8_t of_group[64];
-    // Bounds of all.
-    float least_s, most_s, least_t, most_t, least_d, most_d;
+// Points come in eights, whatever the registers: a set of eight is a byte of a set of all.
+using P = hn::CappedTag<float, 8>;
+using VP = hn::Vec<P>;
+using MP = hn::Mask<P>;
+constexpr P pf;
+constexpr int kPointLanes = int(hn::MaxLanes(pf));
+constexpr int kEights = PointGroup::kMost / 8;
+
+HWY_INLINE std::uint32_t point_bits(MP mask) {
+    std::uint8_t bytes[8] = {};
+    hn::StoreMaskBits(pf, mask, bytes);
+    return bytes[0];
+}
+
+// Bits of all points of these eights.
+HWY_INLINE std::uint64_t points_of_eights(std::uint32_t eights) {
+    const std::uint64_t bit_of_each = std::uint64_t(eights) * 0x0101010101010101u & 0x8040201008040201u;
+    return ((bit_of_each + 0x7F7F7F7F7F7F7F7Fu) >> 7 & 0x0101010101010101u) * 0xFFu;
+}
+// Eights of which some point is in the set.
+HWY_INLINE std::uint32_t eights_of_points(std::uint64_t points) {
+    points |= points >> 4;
+    points |= points >> 2;
+    points |= points >> 1;
+    return std::uint32_t((points & 0x0101010101010101u) * 0x0102040810204080u >> 56);
+}
+
+// Least and greatest of each eight points.
+struct EightBounds {
+    alignas(32) float least[kEights], most[kEights];
+};
+
+// A group's points. What its eights are bounded by is found without moving lanes from the same points turned: the j-th
+// of each eight beside each other.
+struct GroupPoints {
+    explicit HWY_INLINE GroupPoints(const PointGroup& points);
+
+    const PointGroup& group;
+    alignas(64) float turned_s[PointGroup::kMost], turned_t[PointGroup::kMost];
+    EightBounds s, t, d;
+    float least_d, most_d;
+    float extent;  // largest absolute s or t
+};
+
+// @param value  of the j-th turned points
+template <class Value>
+HWY_INLINE void bound_eights(Value&& value, EightBounds& out, float& least, float& most) {
+    float low_of_all = kInf, high_of_all = -kInf;
+    for (int i = 0; i < kEights; i += kPointLanes) {
+        VP low = value(i), high = low;
+        for (int j = 1; j < 8; ++j) {
+            const VP v = value(8 * j + i);
+            low = hn::Min(low, v);
+            high = hn::Max(high, v);
+        }
+        hn::Store(low, pf, out.least + i);
+        hn::Store(high, pf, out.most + i);
+        low_of_all = std::min(low_of_all, hn::GetLane(hn::MinOfLanes(pf, low)));
+        high_of_all = std::max(high_of_all, hn::GetLane(hn::MaxOfLanes(pf, high)));
+    }
+    least = low_of_all;
+    most = high_of_all;
+}
+
+HWY_INLINE GroupPoints::GroupPoints(const PointGroup& points) : group(points) {
+    alignas(64) float turned_d[PointGroup::kMost];
+    for (int i = 0; i < PointGroup::kMost; ++i) {
+        const int from = i % 8 * 8 + i / 8;
+        turned_s[i] = group.s[from];
+        turned_t[i] = group.t[from];
+        turned_d[i] = group.d[from];
+    }
+    const auto load = [](const float* values) { return [values](int i) { return hn::Load(pf, values + i); }; };
+    float low_s, high_s, low_t, high_t;
+    bound_eights(load(turned_s), s, low_s, high_s);
+    bound_eights(load(turned_t), t, low_t, high_t);
+    bound_eights(load(turned_d), d, least_d, most_d);
+    extent = std::max(std::max(-low_s, high_s), std::max(-low_t, high_t));
+}
+
+// The points in a hierarchy's slabs.
+struct Slabs {
+    alignas(64) float at[3][PointGroup::kMost];
+    EightBounds eights[3];
     float least[3], most[3];
 };
 
-// Least and greatest of the first `count` numbers, filled up to whole registers.
-HWY_INLINE void range_of(const float* values, int count, float& least, float& most) {
-    VF low = hn::Load(f, values), high = low;
-    for (int i = kLanes; i < count; i += kLanes) {
-        const VF v = hn::Load(f, values + i);
-        low = hn::Min(low, v);
-        high = hn::Max(high, v);
-    }
-    least = hn::GetLane(hn::MinOfLanes(f, low));
-    most = hn::GetLane(hn::MaxOfLanes(f, high));
-}
-
-// The points of `which`, of another packing of the group.
-HWY_INLINE void pack_points(const float* s, const float* t, const float* d, const std::uint8_t* of_group,
-                            std::uint64_t which, SlabPoints& out) {
-    int n = 0;
-    for (; which != 0; which &= which - 1, ++n) {
-        const int i = std::countr_zero(which);
-        out.s[n] = s[i], out.t[n] = t[i], out.d[n] = d[i];
-        out.of_group[n] = of_group != nullptr ? of_group[i] : std::uint8_t(i);
-    }
-    out.count = n;
-    for (; n % kLanes != 0; ++n) out.s[n] = out.s[n - 1], out.t[n] = out.t[n - 1], out.d[n] = out.d[n - 1];
-    range_of(out.s, out.count, out.least_s, out.most_s);
-    range_of(out.t, out.count, out.least_t, out.most_t);
-    range_of(out.d, out.count, out.least_d, out.most_d);
-}
-
-HWY_INLINE float extent_of(const SlabPoints& p) {
-    return std::max(std::max(-p.least_s, p.most_s), std::max(-p.least_t, p.most_t));
-}
-
-HWY_INLINE void find_slabs(const SunSpace& space, SlabPoints& p) {
+HWY_INLINE void find_slabs(const SunSpace& space, const GroupPoints& p, Slabs& out) {
     for (int k = 0; k < 3; ++k) {
-        const VF of_s = hn::Set(f, space.point_s[k]), of_t = hn::Set(f, space.point_t[k]);
-        const VF c = hn::Set(f, space.point_c[k]);
-        for (int i = 0; i < p.count; i += kLanes)
-            hn::Store(hn::MulAdd(of_s, hn::Load(f, p.s + i), hn::MulAdd(of_t, hn::Load(f, p.t + i), c)), f,
-                      p.slab[k] + i);
-        range_of(p.slab[k], p.count, p.least[k], p.most[k]);
+        const VP of_s = hn::Set(pf, space.point_s[k]), of_t = hn::Set(pf, space.point_t[k]);
+        const VP c = hn::Set(pf, space.point_c[k]);
+        const auto value = [&](const float* s, const float* t, int i) {
+            return hn::MulAdd(of_s, hn::Load(pf, s + i), hn::MulAdd(of_t, hn::Load(pf, t + i), c));
+        };
+        for (int i = 0; i < p.group.count; i += kPointLanes)
+            hn::Store(value(p.group.s, p.group.t, i), pf, out.at[k] + i);
+        bound_eights([&](int i) { return value(p.turned_s, p.turned_t, i); }, out.eights[k], out.least[k], out.most[k]);
     }
 }
 

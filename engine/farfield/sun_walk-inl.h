@@ -32,7 +32,8 @@ struct MetBoxes {
     std::uint32_t met = 0, around = 0;
 };
 
-HWY_INLINE MetBoxes boxes_around_all(const BvhNode& node, const SunSpace& space, const SlabPoints& p, BoxSlabs& boxes) {
+HWY_INLINE MetBoxes boxes_around_all(const BvhNode& node, const SunSpace& space, const GroupPoints& p,
+                                     const Slabs& slabs, BoxSlabs& boxes) {
     MetBoxes out;
     for (int i = 0; i < 16; i += kLanes) {
         const float* lanes = node.low_x + i;
@@ -42,7 +43,7 @@ HWY_INLINE MetBoxes boxes_around_all(const BvhNode& node, const SunSpace& space,
         MF met = hn::Ge(far, hn::Set(f, p.least_d)), around = hn::Ge(far, hn::Set(f, p.most_d));
         for (int k = 0; k < 3; ++k) {
             const VF low = box_value(space.low[k], lanes), high = box_value(space.high[k], lanes);
-            const VF least = hn::Set(f, p.least[k]), most = hn::Set(f, p.most[k]);
+            const VF least = hn::Set(f, slabs.least[k]), most = hn::Set(f, slabs.most[k]);
             hn::Store(low, f, boxes.low[k] + i);
             hn::Store(high, f, boxes.high[k] + i);
             met = hn::And(met, hn::And(hn::Le(low, most), hn::Ge(high, least)));
@@ -54,34 +55,56 @@ HWY_INLINE MetBoxes boxes_around_all(const BvhNode& node, const SunSpace& space,
     return out;
 }
 
-// Those of the points that lie in a box.
-HWY_INLINE std::uint64_t points_in_box(const BoxSlabs& boxes, int lane, const SlabPoints& p, std::uint64_t points) {
-    const VF far = hn::Set(f, boxes.far[lane]);
-    VF low[3], high[3];
-    for (int k = 0; k < 3; ++k) {
-        low[k] = hn::Set(f, boxes.low[k][lane]);
-        high[k] = hn::Set(f, boxes.high[k][lane]);
-    }
-    std::uint64_t in_box = 0;
-    for (int i = 0; i < p.count; i += kLanes) {
-        if ((points >> i & ((1u << kLanes) - 1u)) == 0) continue;
-        MF in = hn::Le(hn::Load(f, p.d + i), far);
+// Those of eight points that lie in a box.
+HWY_INLINE std::uint32_t eight_in_box(const VP (&low)[3], const VP (&high)[3], VP far, const GroupPoints& p,
+                                      const Slabs& slabs, int first) {
+    std::uint32_t bits = 0;
+    for (int i = 0; i < 8; i += kPointLanes) {
+        MP in = hn::Le(hn::Load(pf, p.group.d + first + i), far);
         for (int k = 0; k < 3; ++k) {
-            const VF at = hn::Load(f, p.slab[k] + i);
+            const VP at = hn::Load(pf, slabs.at[k] + first + i);
             in = hn::And(in, hn::And(hn::Ge(at, low[k]), hn::Le(at, high[k])));
         }
-        in_box |= std::uint64_t(bits_of(in)) << i;
+        bits |= point_bits(in) << i;
+    }
+    return bits;
+}
+
+// Those of the points that lie in a box: eights that are within or without it need not be asked one by one.
+HWY_INLINE std::uint64_t points_in_box(const BoxSlabs& boxes, int lane, const GroupPoints& p, const Slabs& slabs,
+                                       std::uint64_t points) {
+    const VP far = hn::Set(pf, boxes.far[lane]);
+    VP low[3], high[3];
+    for (int k = 0; k < 3; ++k) {
+        low[k] = hn::Set(pf, boxes.low[k][lane]);
+        high[k] = hn::Set(pf, boxes.high[k][lane]);
+    }
+    std::uint32_t met = 0, within = 0;
+    for (int i = 0; i < kEights; i += kPointLanes) {
+        MP meets = hn::Le(hn::Load(pf, p.d.least + i), far), lies = hn::Le(hn::Load(pf, p.d.most + i), far);
+        for (int k = 0; k < 3; ++k) {
+            const VP least = hn::Load(pf, slabs.eights[k].least + i), most = hn::Load(pf, slabs.eights[k].most + i);
+            meets = hn::And(meets, hn::And(hn::Le(low[k], most), hn::Ge(high[k], least)));
+            lies = hn::And(lies, hn::And(hn::Le(low[k], least), hn::Ge(high[k], most)));
+        }
+        met |= point_bits(meets) << i;
+        within |= point_bits(lies) << i;
+    }
+    std::uint64_t in_box = points_of_eights(within);
+    for (std::uint32_t rest = met & ~within & eights_of_points(points); rest != 0; rest &= rest - 1) {
+        const int first = std::countr_zero(rest) * 8;
+        in_box |= std::uint64_t(eight_in_box(low, high, far, p, slabs, first)) << first;
     }
     return in_box & points;
 }
 
 // Boxes that one point lies in.
-HWY_INLINE std::uint32_t boxes_around_one(const BoxSlabs& boxes, const SlabPoints& p, int point) {
+HWY_INLINE std::uint32_t boxes_around_one(const BoxSlabs& boxes, const GroupPoints& p, const Slabs& slabs, int point) {
     std::uint32_t bits = 0;
     for (int i = 0; i < 16; i += kLanes) {
-        MF in = hn::Ge(hn::Load(f, boxes.far + i), hn::Set(f, p.d[point]));
+        MF in = hn::Ge(hn::Load(f, boxes.far + i), hn::Set(f, p.group.d[point]));
         for (int k = 0; k < 3; ++k) {
-            const VF at = hn::Set(f, p.slab[k][point]);
+            const VF at = hn::Set(f, slabs.at[k][point]);
             in = hn::And(
                 in, hn::And(hn::Le(hn::Load(f, boxes.low[k] + i), at), hn::Ge(hn::Load(f, boxes.high[k] + i), at)));
         }
@@ -108,14 +131,14 @@ HWY_INLINE void prefetch_all(const T* object) {
 }
 
 // Walks a hierarchy; `on_leaf(leaf id, points)` takes from `left` what it hides.
-// @param left  points that are still to be hidden, as bits of p
+// @param all  points that may be hidden; those of them that are not in `left` any more are passed by
 template <class Prefetch, class OnLeaf>
-HWY_INLINE void walk_sunwards(const BvhNode* nodes, const SunSpace& space, const SlabPoints& p,
-                              const std::uint64_t& left, std::uint64_t& visited, Prefetch&& prefetch_child,
-                              OnLeaf&& on_leaf) {
+HWY_INLINE void walk_sunwards(const BvhNode* nodes, const SunSpace& space, const GroupPoints& p, const Slabs& slabs,
+                              std::uint64_t all, const std::uint64_t& left, std::uint64_t& visited,
+                              Prefetch&& prefetch_child, OnLeaf&& on_leaf) {
     SunEntry stack[kSunStackEntries];
     int top = 0;
-    stack[top++] = {left, 0};
+    stack[top++] = {all, 0};
     while (top > 0) {
         const SunEntry entry = stack[--top];
         const std::uint64_t points = entry.points & left;
@@ -134,7 +157,7 @@ HWY_INLINE void walk_sunwards(const BvhNode* nodes, const SunSpace& space, const
             find_box_slabs(node, space, boxes);
             for (std::uint64_t rest = points; rest != 0; rest &= rest - 1) {
                 const int point = std::countr_zero(rest);
-                const std::uint32_t bits = boxes_around_one(boxes, p, point);
+                const std::uint32_t bits = boxes_around_one(boxes, p, slabs, point);
                 for (std::uint32_t lanes = bits; lanes != 0; lanes &= lanes - 1) {
                     const int lane = std::countr_zero(lanes);
                     of_box[lane] = (met >> lane & 1u ? of_box[lane] : 0) | std::uint64_t(1) << point;
@@ -142,10 +165,10 @@ HWY_INLINE void walk_sunwards(const BvhNode* nodes, const SunSpace& space, const
                 met |= bits;
             }
         } else {
-            const MetBoxes all = boxes_around_all(node, space, p, boxes);
-            for (std::uint32_t lanes = all.met; lanes != 0; lanes &= lanes - 1) {
+            const MetBoxes found = boxes_around_all(node, space, p, slabs, boxes);
+            for (std::uint32_t lanes = found.met; lanes != 0; lanes &= lanes - 1) {
                 const int lane = std::countr_zero(lanes);
-                of_box[lane] = all.around >> lane & 1u ? points : points_in_box(boxes, lane, p, points);
+                of_box[lane] = found.around >> lane & 1u ? points : points_in_box(boxes, lane, p, slabs, points);
                 if (of_box[lane] != 0) met |= 1u << lane;
             }
         }
