@@ -31,6 +31,9 @@ struct SunPoint {
     return 6e-6f * depth_m + 6e-7f * reach_m;
 }
 
+/// The largest distance of a mesh's points from its origin, as placed in the world, metres; a bound.
+[[nodiscard]] float reach_of(const scene::Mesh& mesh, const scene::Instance& instance);
+
 /// What stands between a scene's points and the sun.
 ///
 /// Masked and blended surfaces cast shadows by coverage, at the footprint of the point that asks (alpha_test.h; the

@@ -113,10 +113,7 @@ SunQuestion sun_question_reference(const scene::StaticScene& scene, const Pinhol
     DVec3 normal = glm::cross(b - a, c - a);
     if (glm::dot(normal, direction) > 0.0) normal = -normal;
     if (!(glm::dot(normal, DVec3(to_sun)) > 0.0)) return {SunQuestion::Kind::turned_away, {}};
-    const Vec3 reach = glm::max(glm::abs(mesh.bounds.low), glm::abs(mesh.bounds.high));
-    const Mat3& m = instance.world_from_mesh;
-    const float reach_m = glm::length(glm::abs(m[0]) * reach.x + glm::abs(m[1]) * reach.y + glm::abs(m[2]) * reach.z);
-    const auto offset = double(sun_ray_offset(float(depth), reach_m));
+    const auto offset = double(sun_ray_offset(float(depth), reach_of(mesh, instance)));
     return {SunQuestion::Kind::ray,
             {.origin = view.position + depth * direction + glm::normalize(normal) * offset,
              .direction = DVec3(to_sun),
