@@ -10,7 +10,6 @@
 #include <cstring>
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
-#include <limits>
 
 #include "engine/core/jobs.h"
 #include "engine/farfield/sun_history.h"
@@ -250,37 +249,6 @@ std::uint16_t due_pixels(int x, int y, std::uint64_t frame, int refresh_frames) 
     return std::uint16_t(bits);
 }
 
-/// Whether the shadow of one of them may fall on something that the pixels see.
-bool may_be_shaded(const PinholeView& view, const sun::Tile& tile, std::span<const MovingSphere> moving,
-                   const Vec3& to_sun) {
-    float near = std::numeric_limits<float>::infinity(), far = 0.0f;
-    for (int j = 0; j < kTileSize; ++j)
-        for (std::uint32_t bits = tile.wanted[j]; bits != 0; bits &= bits - 1) {
-            const float depth = tile.depths[(j + 1) * sun::kBlockStride + std::countr_zero(bits) + 1];
-            near = std::min(near, depth);
-            far = std::max(far, depth);
-        }
-    if (!(near <= far)) return false;
-    // The ball round the corners of what the tile sees.
-    DVec3 corners[8], centre(0.0);
-    for (int k = 0; k < 8; ++k) {
-        const int x = tile.x + (k & 1) * kTileSize, y = tile.y + (k >> 1 & 1) * kTileSize;
-        const DVec3 ray = DMat3(view.world_from_camera) *
-                          DVec3(double(x) * view.u_step + view.u_first, double(y) * view.v_step + view.v_first, -1.0);
-        corners[k] = ray * double(k < 4 ? near : far);
-        centre += corners[k] / 8.0;
-    }
-    double radius = 0.0;
-    for (const DVec3& corner : corners) radius = std::max(radius, glm::length(corner - centre));
-    const DVec3 sun(to_sun);
-    for (const MovingSphere& sphere : moving) {
-        const DVec3 to_sphere = sphere.center - view.position - centre;
-        const double along = std::max(0.0, glm::dot(to_sphere, sun));  // the shadow falls away from the sun
-        if (glm::length(to_sphere - along * sun) <= radius + sphere.radius) return true;
-    }
-    return false;
-}
-
 }  // namespace
 
 void SunHistory::begin_frame(const SunHistoryInput& input) {
@@ -322,8 +290,11 @@ std::uint64_t SunHistory::reuse(const SunHistoryInput& input, std::uint8_t* lit,
             tile.x = request.x;
             tile.y = request.y;
             std::uint32_t any = 0;
+            const int columns = std::clamp(visibility.width - tile.x, 0, kTileSize);
             for (int j = 0; j < kTileSize; ++j) {
                 const std::size_t first = visibility.index(tile.x, tile.y + j);
+                const bool inside = tile.y + j < visibility.height;
+                request.rows[j] = std::uint16_t(inside ? request.rows[j] & ((1u << columns) - 1u) : 0u);
                 tile.wanted[j] = static_pixels(visibility, first, request.rows[j], input.static_instances);
                 request.rows[j] = surface_pixels(visibility, first, request.rows[j]);
                 if (!knows) continue;
@@ -333,7 +304,7 @@ std::uint64_t SunHistory::reuse(const SunHistoryInput& input, std::uint8_t* lit,
             }
             if (!knows || any == 0) continue;
             load_depths(visibility, tile.x, tile.y, tile.depths);
-            if (!moving_.empty() && may_be_shaded(input.view, tile, moving_, input.to_sun)) continue;
+            if (may_be_shaded(input.view, visibility, request, moving_, input.to_sun)) continue;
             const std::size_t first = visibility.index(tile.x, tile.y);
             tile.out_words = current_.words.data() + first;
             tile.out_lit = lit + first;

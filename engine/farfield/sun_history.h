@@ -14,19 +14,12 @@
 #include <vector>
 
 #include "engine/core/zero_pages.h"
+#include "engine/farfield/moving_shadow.h"
 #include "engine/farfield/visibility_buffer.h"
 #include "engine/math/camera.h"
 #include "engine/math/types.h"
 
 namespace ff::farfield {
-
-/// Something that moves and casts a shadow.
-struct MovingSphere {
-    WorldPos center{0.0};
-    double radius = 0.0;  ///< metres
-
-    friend bool operator==(const MovingSphere&, const MovingSphere&) = default;
-};
 
 struct SunHistoryInput {
     const PinholeView& view;

@@ -19,15 +19,15 @@ std::uint8_t* fit(const farfield::VisibilityBuffer& visibility, ZeroPageVector<s
     return plane.data();
 }
 
-void bound(std::span<const scene::Instance> dynamic, std::vector<farfield::MovingSphere>& out) {
+}  // namespace
+
+void bound_moving(std::span<const scene::Instance> dynamic, std::vector<farfield::MovingSphere>& out) {
     out.clear();
     for (const scene::Instance& instance : dynamic)
         if (!instance.bounds.is_empty())
             out.push_back({(instance.bounds.low + instance.bounds.high) * 0.5,
                            glm::length(instance.bounds.high - instance.bounds.low) * 0.5});
 }
-
-}  // namespace
 
 const std::uint8_t* find_sun(const FramePlan& plan, const scene::StaticScene& scene,
                              const farfield::VisibilityBuffer& visibility, std::span<const farfield::TileRequest> tiles,
@@ -38,7 +38,7 @@ const std::uint8_t* find_sun(const FramePlan& plan, const scene::StaticScene& sc
     std::uint8_t* const seen = fit(visibility, light.seen);
     const Vec3 to_sun = scene.environment.to_sun;
     std::span<const farfield::TileRequest> cast = tiles;
-    bound(plan.dynamic, light.moving);
+    bound_moving(plan.dynamic, light.moving);
     const farfield::SunHistoryInput input{.view = plan.view,
                                           .visibility = visibility,
                                           .tiles = tiles,

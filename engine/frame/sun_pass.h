@@ -25,6 +25,9 @@ struct SunLight {
     std::vector<farfield::MovingSphere> moving;  ///< scratch: what moves, this frame
 };
 
+/// Balls round instances that move.
+void bound_moving(std::span<const scene::Instance> dynamic, std::vector<farfield::MovingSphere>& out);
+
 /// Finds which pixels see the sun: from the last frame where the plan reuses that, else by a ray each.
 /// @param tiles  the pixels that are going to be shaded
 /// @return for ShadeSettings::sun_seen, good until the next call; nullptr where the plan has no sun shadows

@@ -183,8 +183,9 @@ int run(int argc, const char* const* argv) {
     add_view_options(*render_app, render.view, true);
     render_app->add_option("--frame", render.frame, "Frame of the walkthrough, from 0")->check(CLI::Range(0, 1000000));
     render_app
-        ->add_option("--debug", render.debug_view, "Draw a debug view instead: sources, age, border, causes or work")
-        ->check(CLI::IsMember({"sources", "age", "border", "causes", "work"}));
+        ->add_option("--debug", render.debug_view,
+                     "Draw a debug view instead: sources, age, light, border, causes or work")
+        ->check(CLI::IsMember({"sources", "age", "light", "border", "causes", "work"}));
     render_app->add_option("-o,--output", render.output, "Image to write (.png, .exr, .jpg ...)")->required();
 
     WalkOptions walk;
