@@ -28,7 +28,7 @@ struct SunHistoryInput {
     std::uint32_t static_instances = 0;  ///< instances from this id on move: their pixels are never kept
     std::span<const MovingSphere> moving;
     Vec3 to_sun{0.0f, 1.0f, 0.0f};  ///< unit; another one than the last forgets everything
-    /// Blocks of 4 x 4 pixels are looked at anew once in so many frames. [0, 255]; 0: never
+    /// Tiles are looked at anew, all of their pixels at once, in one of so many frames. [0, 255]; 0: never
     int refresh_frames = 32;
 };
 

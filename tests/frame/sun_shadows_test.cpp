@@ -128,7 +128,7 @@ TEST_P(SunShadowsTest, without_them_nothing_is_made_and_no_ray_is_cast) {
 }
 
 INSTANTIATE_TEST_SUITE_P(worlds, SunShadowsTest, testing::Bool(),
-                         [](const auto& info) { return std::string(info.param ? "city" : "wood"); });
+                         [](const auto& world) { return std::string(world.param ? "city" : "wood"); });
 
 /// A floor, and a board 10 m above it that moves.
 struct BoardOverFloor {
