@@ -3,11 +3,13 @@
 // already known, of light instead of primitives. What a pixel sees is exact here (the beams have established it), and
 // the sun's visibility of a point that stands still does not change while the sun and all around it stand still.
 //
-// A pixel keeps the light of the four pixels of the last frame round its point if all of them saw that surface and
-// agree; where they do not, the border of a shadow runs through, and a ray decides. So borders are exact in every
-// frame, and what can be missed is smaller than two pixels and new, for at most `refresh_frames` frames. Based on:
-// Havran, Bittner, Seidel, "Exploiting Temporal Coherence in Ray Casted Walkthroughs", 2003 (P3), sections 4.3 (regular
-// resampling) and 7.4 (shadow rays).
+// A pixel keeps the light of the four pixels of the last frame round its point if all of them saw that surface, and
+// they and the twelve round them agree. Where they do not, the border of a shadow is near, or light that is finer than
+// pixels, and a ray decides: what can be missed is smaller than four pixels and new, for at most `refresh_frames`
+// frames.
+//
+// Based on: Havran, Bittner, Seidel, "Exploiting Temporal Coherence in Ray Casted Walkthroughs", 2003 (P3), sections
+// 4.3 (regular resampling) and 7.4 (shadow rays).
 
 #include <cstdint>
 #include <span>
