@@ -45,10 +45,11 @@ struct ReprojectSettings {
     bool check_view_frustum = true;
     bool check_occlusion = true;  ///< P3 4.2: points that others overtook are left out
     int resample_period = 9;      ///< P3 4.3, N: each pixel is cast at least once in so many frames; 0: never. [0, 64]
-    int resample_block_px = 16;   ///< pixels are due in blocks of this side; 1: singly, as in P3. 1, 2, 4, 8 or 16
-    bool check_abrupt = true;     ///< P3 4.3.1: points that come too fast are left out
-    int abrupt_frames = 4;        ///< its N: a step must not exceed depth / 2 / N. [1, 64]
-    bool use_background = true;   ///< P3 5.2: sky is reprojected like everything else
+    /// Pixels are due in blocks of this side, a power of two in [1, 32]; 1: singly, as in P3. 32: what a beam serves.
+    int resample_block_px = 32;
+    bool check_abrupt = true;    ///< P3 4.3.1: points that come too fast are left out
+    int abrupt_frames = 4;       ///< its N: a step must not exceed depth / 2 / N. [1, 64]
+    bool use_background = true;  ///< P3 5.2: sky is reprojected like everything else
 
     friend bool operator==(const ReprojectSettings&, const ReprojectSettings&) = default;
 };

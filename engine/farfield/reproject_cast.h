@@ -8,8 +8,9 @@
 namespace ff::farfield {
 
 /// Casts what a reprojection leaves: blocks that are due, and single pixels strewn over other tiles. A tile caster
-/// takes the tiles of which much is asked; the walk that it makes for few pixels of a tile costs more than a packet of
-/// neighbours from several tiles does.
+/// takes the squares of which much is asked; the walk that it makes for few pixels of a square costs more than a packet
+/// of neighbours from several tiles does.
+/// @param left  row by row of tiles
 /// @param few   answers the tiles of which little is asked
 /// @param much  answers the others; may be the same
 /// @param scratch_few, scratch_much  overwritten

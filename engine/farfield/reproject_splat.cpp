@@ -10,6 +10,7 @@
 #include <bit>
 #include <limits>
 
+#include "engine/farfield/lane_bits-inl.h"
 #include "engine/farfield/reproject_splat.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -25,12 +26,6 @@ constexpr I si;
 constexpr F f;
 constexpr U ui;
 constexpr int kLanes = int(hn::MaxLanes(si));
-
-HWY_INLINE std::uint32_t bits_of(hn::Mask<I> mask) {
-    std::uint8_t bytes[8] = {};
-    hn::StoreMaskBits(si, mask, bytes);
-    return kLanes > 8 ? std::uint32_t(bytes[0] | bytes[1] << 8) : std::uint32_t(bytes[0]);
-}
 
 HWY_INLINE void land(const VisibilityBuffer& last, std::size_t source, std::int32_t target, float depth,
                      AuxiliaryImage& auxiliary) {
@@ -90,7 +85,7 @@ void FillRows(const VisibilityBuffer& last, const ReprojectedPoints& points, int
                 land_side_by_side(last, source, leader, hn::LoadU(f, points.depth.data() + source), auxiliary);
                 continue;
             }
-            for (std::uint32_t bits = bits_of(mine); bits != 0; bits &= bits - 1) {
+            for (std::uint32_t bits = farfield::HWY_NAMESPACE::lane_bits(si, mine); bits != 0; bits &= bits - 1) {
                 const std::size_t at = source + std::size_t(std::countr_zero(bits));
                 land(last, at, points.target[at], points.depth[at], auxiliary);
             }

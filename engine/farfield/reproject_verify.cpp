@@ -74,18 +74,19 @@ void begin_tile(const AuxiliaryImage& auxiliary, const PinholeView& view, const 
 }
 
 void write_background(const TileRequest& tile, const TileMask& background, VisibilityBuffer& out) {
-    const auto write = [&](std::size_t at, std::size_t count) {
-        std::fill_n(out.instance.begin() + std::ptrdiff_t(at), count, kSkyInstance);
-        std::fill_n(out.triangle.begin() + std::ptrdiff_t(at), count, 0u);
-        std::fill_n(out.depth.begin() + std::ptrdiff_t(at), count, std::numeric_limits<float>::infinity());
+    const auto write = [&](std::size_t at) {
+        out.instance[at] = kSkyInstance;
+        out.triangle[at] = 0u;
+        out.depth[at] = std::numeric_limits<float>::infinity();
     };
     for (int j = 0; j < kTileSize; ++j) {
-        std::uint32_t left = background.rows[j];
-        while (left != 0) {  // run by run
-            const int first = std::countr_zero(left), count = std::countr_one(left >> first);
-            write(out.index(tile.x + first, tile.y + j), std::size_t(count));
-            left &= left + (1u << first);
+        const std::size_t first = out.index(tile.x, tile.y + j);
+        if (background.rows[j] == 0xFFFFu) {  // most rows: a few whole registers
+            for (std::size_t i = 0; i < kTileSize; ++i) write(first + i);
+            continue;
         }
+        for (std::uint32_t left = background.rows[j]; left != 0; left &= left - 1)
+            write(first + std::size_t(std::countr_zero(left)));
     }
 }
 

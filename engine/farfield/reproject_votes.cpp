@@ -5,6 +5,7 @@
 
 #include <bit>
 
+#include "engine/farfield/lane_bits-inl.h"
 #include "engine/farfield/reproject_votes.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -22,9 +23,7 @@ constexpr I si;
 constexpr int kLanes = int(hn::MaxLanes(ui));
 
 HWY_INLINE std::uint32_t bits_of(hn::Mask<U> mask) {
-    std::uint8_t bytes[8] = {};
-    hn::StoreMaskBits(ui, mask, bytes);
-    return kLanes > 8 ? std::uint32_t(bytes[0] | bytes[1] << 8) : std::uint32_t(bytes[0]);
+    return farfield::HWY_NAMESPACE::lane_bits(ui, mask);
 }
 
 }  // namespace

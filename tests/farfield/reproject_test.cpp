@@ -319,7 +319,7 @@ TEST(Reproject, workers_change_nothing) {
 
 TEST(Reproject, every_pixel_is_due_once_in_a_period) {
     for (const int period : {1, 4, 9, 16, 25, 64})
-        for (const int block : {1, 2, 4, 8, 16}) {
+        for (const int block : {1, 2, 4, 8, 16, 32}) {
             const ReprojectSettings settings{.resample_period = period, .resample_block_px = block};
             for (int tile_y = 0; tile_y < 4; ++tile_y)
                 for (int tile_x = 0; tile_x < 4; ++tile_x) {

@@ -77,7 +77,7 @@ void add_reproject_options(CLI::App& app, frame::FrameSettings& settings) {
         ->check(CLI::Range(0, 64));
     app.add_option("--reproject-block", settings.reproject.resample_block_px,
                    "Pixels that are cast for it lie in blocks of this side")
-        ->check(CLI::IsMember({1, 2, 4, 8, 16}));
+        ->check(CLI::IsMember({1, 2, 4, 8, 16, 32}));
     app.add_option("--reproject-caster", settings.reproject_caster,
                    "Who casts the tiles that mode reproject leaves: beam, embree or grid; single pixels go to Embree")
         ->transform(CLI::CheckedTransformer(kCasters, CLI::ignore_case).description(""));
