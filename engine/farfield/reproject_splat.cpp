@@ -1,5 +1,5 @@
-// Whoever fills some rows of the new image goes through all old rows that reach them, in the old image's order: no two
-// workers write to one pixel, and the number of workers changes nothing.
+// Whoever fills a band goes through all old rows that reach it, in the old image's order: no two workers write to one
+// pixel, and the number of workers changes nothing.
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "engine/farfield/reproject_splat.cpp"
@@ -8,7 +8,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <limits>
 
 #include "engine/farfield/lane_bits-inl.h"
 #include "engine/farfield/reproject_splat.h"
@@ -18,6 +17,7 @@ namespace ff::farfield::reprojection {
 namespace HWY_NAMESPACE {
 namespace {
 namespace hn = hwy::HWY_NAMESPACE;
+using farfield::HWY_NAMESPACE::lane_bits;
 
 using I = hn::CappedTag<std::int32_t, 16>;
 using F = hn::RebindToFloat<I>;
@@ -27,67 +27,69 @@ constexpr F f;
 constexpr U ui;
 constexpr int kLanes = int(hn::MaxLanes(si));
 
-HWY_INLINE void land(const VisibilityBuffer& last, std::size_t source, std::int32_t target, float depth,
-                     AuxiliaryImage& auxiliary) {
-    if ((target & ReprojectedPoints::kAbruptBit) != 0) {
-        const auto at = std::size_t(target ^ ReprojectedPoints::kAbruptBit);
-        if (auxiliary.instance[at] == AuxiliaryImage::kEmpty) auxiliary.instance[at] = AuxiliaryImage::kAbrupt;
-        return;
-    }
-    const auto at = std::size_t(target);
-    const std::uint32_t old = auxiliary.instance[at];
-    const bool is_first = old == AuxiliaryImage::kEmpty || old == AuxiliaryImage::kAbrupt;
-    if (!is_first && !(depth < auxiliary.depth[at])) return;
-    auxiliary.depth[at] = depth;
-    auxiliary.instance[at] = last.instance[source];
-    auxiliary.triangle[at] = last.triangle[source];
+// A register of old points.
+struct Points {
+    hn::Vec<U> instance, triangle;
+    hn::Vec<F> depth;
+};
+
+// Those of `lanes` land side by side, as points of a surface mostly do: lane i in the pixel `at` + i.
+HWY_INLINE void land(const Points& points, hn::Mask<U> lanes, std::size_t at, AuxiliaryBand& band) {
+    const auto old_instance = hn::LoadU(ui, band.instance.data() + at);
+    const auto old_depth = hn::LoadU(f, band.depth.data() + at);
+    // Whatever comes to an empty pixel stays, as do instances before sky, and sky after sky does no harm.
+    const auto is_free = hn::Gt(old_instance, hn::Set(ui, AuxiliaryBand::kAbrupt - 1));
+    const auto wins = hn::And(lanes, hn::Or(is_free, hn::RebindMask(ui, hn::Lt(points.depth, old_depth))));
+    const auto old_triangle = hn::LoadU(ui, band.triangle.data() + at);
+    hn::StoreU(hn::IfThenElse(wins, points.instance, old_instance), ui, band.instance.data() + at);
+    hn::StoreU(hn::IfThenElse(wins, points.triangle, old_triangle), ui, band.triangle.data() + at);
+    hn::StoreU(hn::IfThenElse(hn::RebindMask(f, wins), points.depth, old_depth), f, band.depth.data() + at);
 }
 
-// A register of points that land side by side, as those of a surface mostly do.
-HWY_INLINE void land_side_by_side(const VisibilityBuffer& last, std::size_t source, std::int32_t target,
-                                  hn::Vec<F> depth, AuxiliaryImage& auxiliary) {
-    const auto at = std::size_t(target);
-    const auto old_instance = hn::LoadU(ui, auxiliary.instance.data() + at);
-    const auto old_depth = hn::LoadU(f, auxiliary.depth.data() + at);
-    // Only sky, empty and abrupt pixels have such names; sky lies at infinity, which is not nearer than anything.
-    const auto is_first = hn::Or(hn::Eq(old_instance, hn::Set(ui, AuxiliaryImage::kEmpty)),
-                                 hn::Eq(old_instance, hn::Set(ui, AuxiliaryImage::kAbrupt)));
-    const auto wins = hn::Or(hn::RebindMask(f, is_first), hn::Lt(depth, old_depth));
-    const auto wins_u = hn::RebindMask(ui, wins);
-    const auto instance = hn::LoadU(ui, last.instance.data() + source);
-    const auto triangle = hn::LoadU(ui, last.triangle.data() + source);
-    const auto old_triangle = hn::LoadU(ui, auxiliary.triangle.data() + at);
-    hn::StoreU(hn::IfThenElse(wins, depth, old_depth), f, auxiliary.depth.data() + at);
-    hn::StoreU(hn::IfThenElse(wins_u, instance, old_instance), ui, auxiliary.instance.data() + at);
-    hn::StoreU(hn::IfThenElse(wins_u, triangle, old_triangle), ui, auxiliary.triangle.data() + at);
+HWY_INLINE void land_abrupt(std::size_t at, AuxiliaryBand& band) {
+    if (band.instance[at] == AuxiliaryBand::kEmpty) band.instance[at] = AuxiliaryBand::kAbrupt;
 }
 
 }  // namespace
 
-void FillRows(const VisibilityBuffer& last, const ReprojectedPoints& points, int first_row, int last_row,
-              AuxiliaryImage& auxiliary) {
-    const std::int32_t begin = first_row * auxiliary.stride, end = last_row * auxiliary.stride;
-    std::fill(auxiliary.instance.begin() + begin, auxiliary.instance.begin() + end, AuxiliaryImage::kEmpty);
+void FillBand(const VisibilityBuffer& last, const ReprojectedPoints& points, int tile_y, AuxiliaryBand& band) {
+    band.first_row = tile_y * kTileSize - 1;
+    const std::int32_t begin = (band.first_row + 1) * band.stride, end = begin + AuxiliaryBand::kRows * band.stride;
+    std::fill(band.instance.begin(), band.instance.end(), AuxiliaryBand::kEmpty);
+    const auto before_begin = hn::Set(si, begin - 1), at_end = hn::Set(si, end);
+    const auto abrupt_bit = hn::Set(si, ReprojectedPoints::kAbruptBit);
     for (int y = 0; y < last.height; ++y) {
         if (points.last_target[std::size_t(y)] < begin || points.first_target[std::size_t(y)] >= end) continue;
         const std::size_t first = last.index(0, y);
+        const auto depth_of_row = hn::Set(f, float(y) * points.depth_per_y + points.depth_constant);
         for (int x = 0; x < last.width; x += kLanes) {
             const std::size_t source = first + std::size_t(x);
             const auto target = hn::LoadU(si, points.target.data() + source);
-            const auto place = hn::AndNot(hn::Set(si, ReprojectedPoints::kAbruptBit), target);
-            const auto in_image = hn::Lt(hn::Iota(si, x), hn::Set(si, last.width));
-            const auto mine = hn::And(
-                in_image, hn::And(hn::Gt(target, hn::Set(si, ReprojectedPoints::kOutside)),
-                                  hn::And(hn::Gt(place, hn::Set(si, begin - 1)), hn::Lt(place, hn::Set(si, end)))));
-            const std::int32_t leader = points.target[source];
-            const auto row = hn::Add(hn::Set(si, leader), hn::Iota(si, 0));
-            if (hn::AllTrue(si, hn::And(mine, hn::Eq(target, row))) && (leader & ReprojectedPoints::kAbruptBit) == 0) {
-                land_side_by_side(last, source, leader, hn::LoadU(f, points.depth.data() + source), auxiliary);
-                continue;
-            }
-            for (std::uint32_t bits = farfield::HWY_NAMESPACE::lane_bits(si, mine); bits != 0; bits &= bits - 1) {
-                const std::size_t at = source + std::size_t(std::countr_zero(bits));
-                land(last, at, points.target[at], points.depth[at], auxiliary);
+            const auto place = hn::AndNot(abrupt_bit, target);  // kOutside is less than any
+            const auto mine = hn::And(hn::Gt(target, hn::Set(si, ReprojectedPoints::kOutside)),
+                                      hn::And(hn::Gt(place, before_begin), hn::Lt(place, at_end)));
+            std::uint32_t left = lane_bits(si, mine);
+            if (left == 0) continue;
+            const auto per_depth = hn::MulAdd(hn::Iota(f, float(x)), hn::Set(f, points.depth_per_x), depth_of_row);
+            const Points old{
+                hn::LoadU(ui, last.instance.data() + source), hn::LoadU(ui, last.triangle.data() + source),
+                hn::MulSub(per_depth, hn::LoadU(f, last.depth.data() + source), hn::Set(f, points.depth_step))};
+            while (left != 0) {
+                const int lane = std::countr_zero(left);
+                const std::int32_t leader = points.target[source + std::size_t(lane)];
+                if ((leader & ReprojectedPoints::kAbruptBit) != 0) {
+                    land_abrupt(std::size_t((leader ^ ReprojectedPoints::kAbruptBit) - begin), band);
+                    left &= left - 1;
+                    continue;
+                }
+                // Lanes that follow without a gap.
+                const auto row = hn::Iota(si, leader - lane);
+                const std::uint32_t same = lane_bits(si, hn::And(mine, hn::Eq(target, row))) >> lane;
+                const int count = std::countr_one(same);
+                const auto lanes = hn::And(hn::Gt(hn::Iota(si, 0), hn::Set(si, lane - 1)),
+                                           hn::Lt(hn::Iota(si, 0), hn::Set(si, lane + count)));
+                land(old, hn::RebindMask(ui, lanes), std::size_t(leader - lane - begin), band);
+                left &= ~(((1u << count) - 1u) << lane);
             }
         }
     }
@@ -99,11 +101,19 @@ HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
 namespace ff::farfield::reprojection {
-HWY_EXPORT(FillRows);
+HWY_EXPORT(FillBand);
 
-void fill_rows(const VisibilityBuffer& last, const ReprojectedPoints& points, int first_row, int last_row,
-               AuxiliaryImage& auxiliary) {
-    HWY_DYNAMIC_DISPATCH(FillRows)(last, points, first_row, last_row, auxiliary);
+void AuxiliaryBand::resize(const AuxiliaryLayout& layout) {
+    if (stride == layout.stride) return;
+    stride = layout.stride;
+    const std::size_t count = std::size_t(kRows) * std::size_t(stride);
+    instance.assign(count, kEmpty);
+    triangle.assign(count, 0);
+    depth.assign(count, 0.0f);
+}
+
+void fill_band(const VisibilityBuffer& last, const ReprojectedPoints& points, int tile_y, AuxiliaryBand& band) {
+    HWY_DYNAMIC_DISPATCH(FillBand)(last, points, tile_y, band);
 }
 
 }  // namespace ff::farfield::reprojection

@@ -88,6 +88,7 @@ struct TwoFrames {
         caster->cast_tiles(last_view, whole_image(), last);
         caster->cast_tiles(view, whole_image(), truth);
         has_landed = reprojection.reproject(last_view, last, view, settings);
+        out = last;
         if (has_landed)
             counts = reprojection.verify(view, settings, frame_number, out, left);
         else
