@@ -30,86 +30,110 @@ constexpr int kLanes = int(hn::MaxLanes(f));
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 constexpr float kInf = std::numeric_limits<float>::infinity();
 
+constexpr std::int32_t kInfIndex = std::numeric_limits<std::int32_t>::max();
+
 constexpr int kMaxWidth = 16384;
 
-// A register of old points in the old orientation, from the new eye, divided by their old depths.
-struct OldPoints {
-    VF x, y, w;
+// Sky lies at this depth, where no step between two frames is seen.
+constexpr float kSkyDepth = 1e15f;
+// Metres of depth that a point needs for each metre of old depth.
+constexpr float kLeastW = 1e-6f;
+
+// Rounds to whole numbers of [0, 2^22]; all others, not-a-number too, become greater when taken as unsigned.
+HWY_INLINE hn::Vec<U> rounded(VF numerator, VF per_denominator, float offset) {
+    constexpr float kWholes = 8388608.0f;  // 2^23: floats from here on are whole
+    const VF sum = hn::MulAdd(numerator, per_denominator, hn::Set(f, kWholes + offset));
+    return hn::Sub(hn::BitCast(ui, sum), hn::BitCast(ui, hn::Set(f, kWholes)));
+}
+
+HWY_INLINE MF is_at_most(hn::Vec<U> value, std::uint32_t most) {
+    return hn::RebindMask(f, hn::Eq(hn::Min(value, hn::Set(ui, most)), value));
+}
+
+// How far down the old image a register of points has come as the new eye sees them, rising with the rows.
+struct Down {
+    VF y, w;  // homogeneous
 };
-HWY_INLINE OldPoints points_of(const PointsJob& job, int x, VF v, VF depth, MF is_sky) {
-    const VF one = hn::Set(f, 1.0f);
-    const VF per_depth = hn::IfThenElse(is_sky, hn::Zero(f), hn::Div(one, depth));
-    const VF u = hn::MulAdd(hn::Iota(f, float(x)), hn::Set(f, job.u_step), hn::Set(f, job.u_first));
-    return {hn::NegMulAdd(hn::Set(f, job.step.x), per_depth, u), hn::NegMulAdd(hn::Set(f, job.step.y), per_depth, v),
-            hn::NegMulAdd(hn::Set(f, job.step.z), per_depth, one)};
+HWY_INLINE Down down_of(const PointsJob& job, int row, VF depth) {
+    const float sign = job.v_step < 0.0f ? -1.0f : 1.0f, v = float(row) * job.v_step + job.v_first;
+    return {hn::MulSub(depth, hn::Set(f, sign * v), hn::Set(f, sign * job.step.y)),
+            hn::Sub(depth, hn::Set(f, job.step.z))};
 }
 
-// How far down the old image a point has come, rising with its rows.
-HWY_INLINE VF down_of(const PointsJob& job, const OldPoints& point, VF per_w) {
-    return hn::Mul(hn::Mul(point.y, per_w), hn::Set(f, job.v_step < 0.0f ? -1.0f : 1.0f));
-}
-
-HWY_INLINE VF tangent_of_row(const PointsJob& job, int y) {
-    return hn::Set(f, float(y) * job.v_step + job.v_first);
+HWY_INLINE VF depth_of(const float* depth) {
+    return hn::Min(hn::LoadU(f, depth), hn::Set(f, kSkyDepth));
 }
 
 // Targets and tangents of one old row; what is no point has none.
-HWY_INLINE void project_row(const PointsJob& job, int y, float* HWY_RESTRICT across, float* HWY_RESTRICT down,
-                            ReprojectedPoints& points) {
-    const VisibilityBuffer& last = job.last;
-    const std::size_t first = last.index(0, y);
+// @param ahead  from a pixel to the one that comes a row later
+HWY_INLINE void project_row(const PointsJob& job, int y, std::ptrdiff_t ahead, float* HWY_RESTRICT across,
+                            float* HWY_RESTRICT down, ReprojectedPoints& points) {
+    const std::size_t first = job.last.index(0, y);
+    const std::uint32_t* HWY_RESTRICT const instances = job.last.instance.data() + first;
+    const float* HWY_RESTRICT const depths = job.last.depth.data() + first;
+    std::int32_t* HWY_RESTRICT const targets = points.target.data() + first;
+    const int width = job.width;
+    const bool check_order = job.check_order;
+    // Homogeneous pixel coordinates in the new image are linear in x, for each depth.
     const Mat3& m = job.pixel_from_old;
-    const VF v = tangent_of_row(job, y);
-    const VF one = hn::Set(f, 1.0f), half = hn::Set(f, 0.5f), nan = hn::Set(f, kNan);
-    auto least = hn::Set(si, std::numeric_limits<std::int32_t>::max());
-    auto greatest = hn::Set(si, ReprojectedPoints::kOutside);
-    for (int x = 0; x < job.width; x += kLanes) {
-        const std::size_t at = first + std::size_t(x);
-        const auto instance = hn::LoadU(ui, last.instance.data() + at);
-        const auto is_sky = hn::RebindMask(f, hn::Eq(instance, hn::Set(ui, kSkyInstance)));
-        auto valid = hn::RebindMask(f, hn::Lt(instance, hn::Set(ui, job.static_instances)));
-        if (job.use_background) valid = hn::Or(valid, is_sky);
-        valid = hn::And(valid, hn::RebindMask(f, hn::Lt(hn::Iota(si, x), hn::Set(si, job.width))));
-
-        const VF old_depth = hn::LoadU(f, last.depth.data() + at);
-        const OldPoints point = points_of(job, x, v, old_depth, is_sky);
-        constexpr float kLeastW = 1e-6f;
-        valid = hn::And(valid, hn::Gt(point.w, hn::Set(f, kLeastW)));
-        if (job.check_order) {
-            const VF per_w = hn::Div(one, point.w);
-            hn::StoreU(hn::IfThenElse(valid, hn::Mul(point.x, per_w), nan), f, across + x);
-            hn::StoreU(hn::IfThenElse(valid, down_of(job, point, per_w), nan), f, down + x);
-        }
-
+    const float v = float(y) * job.v_step + job.v_first;
+    VF per_x[3], of_row[3], step[3];
+    for (int row = 0; row < 3; ++row) {
+        per_x[row] = hn::Set(f, m[0][row] * job.u_step);
+        of_row[row] = hn::Set(f, m[0][row] * job.u_first + m[1][row] * v + m[2][row]);
+        step[row] = hn::Set(f, m[0][row] * job.step.x + m[1][row] * job.step.y + m[2][row] * job.step.z);
+    }
+    const VF u_step = hn::Set(f, job.u_step), u_first = hn::Set(f, job.u_first), step_x = hn::Set(f, job.step.x);
+    const VF one = hn::Set(f, 1.0f), nan = hn::Set(f, kNan), least_w = hn::Set(f, kLeastW);
+    const VF least_depth = hn::Set(f, job.least_depth);
+    // Sky comes before the first instance, or behind the last.
+    const auto name_offset = hn::Set(ui, job.use_background ? 1u : 0u);
+    const auto names = hn::Set(ui, job.static_instances + (job.use_background ? 1u : 0u));
+    const auto columns = std::uint32_t(width + 1), rows = std::uint32_t(job.height + 1);
+    const auto stride = hn::Set(ui, std::uint32_t(job.auxiliary.stride));
+    const auto origin = hn::Set(ui, std::uint32_t(job.auxiliary.index(-1, -1)));
+    const auto outside = hn::Set(si, ReprojectedPoints::kOutside);
+    const auto abrupt_bit = hn::Set(si, ReprojectedPoints::kAbruptBit);
+    auto least = hn::BitCast(ui, outside);
+    auto greatest = outside;
+    for (int x = 0; x < width; x += kLanes) {
+        __builtin_prefetch(instances + x + ahead);
+        __builtin_prefetch(depths + x + ahead);
+        MF valid = hn::RebindMask(f, hn::Lt(hn::Add(hn::LoadU(ui, instances + x), name_offset), names));
+        if (HWY_UNLIKELY(x + kLanes > width)) valid = hn::And(valid, hn::FirstN(f, std::size_t(width - x)));
+        const VF depth = depth_of(depths + x), column = hn::Iota(f, float(x));
+        const VF least_here = hn::Mul(depth, least_w);
         const auto turned = [&](int row) {
-            return hn::MulAdd(hn::Set(f, m[0][row]), point.x,
-                              hn::MulAdd(hn::Set(f, m[1][row]), point.y, hn::Mul(hn::Set(f, m[2][row]), point.w)));
+            return hn::MulSub(depth, hn::MulAdd(column, per_x[row], of_row[row]), step[row]);
         };
         const VF w = turned(2);
-        valid = hn::And(valid, hn::Gt(w, hn::Set(f, kLeastW)));
-        const VF per_new_w = hn::Div(one, w);
-        const VF column = hn::Floor(hn::MulAdd(turned(0), per_new_w, half));
-        const VF row = hn::Floor(hn::MulAdd(turned(1), per_new_w, half));
-        const VF outside = hn::Set(f, -1.0f);
-        valid = hn::And(valid, hn::And(hn::Ge(column, outside), hn::Le(column, hn::Set(f, float(job.width)))));
-        valid = hn::And(valid, hn::And(hn::Ge(row, outside), hn::Le(row, hn::Set(f, float(job.height)))));
-
-        const auto valid_i = hn::RebindMask(si, valid);
-        const auto column_i = hn::ConvertTo(si, hn::IfThenElseZero(valid, column));
-        const auto row_i = hn::ConvertTo(si, hn::IfThenElseZero(valid, row));
-        auto target = hn::Add(hn::Add(hn::Mul(row_i, hn::Set(si, job.auxiliary.stride)), column_i),
-                              hn::Set(si, job.auxiliary.index(0, 0)));
-        least = hn::IfThenElse(valid_i, hn::Min(least, target), least);
-        greatest = hn::IfThenElse(valid_i, hn::Max(greatest, target), greatest);
-        // Sky is nowhere near.
-        const auto is_abrupt = hn::AndNot(is_sky, hn::Lt(hn::Mul(w, old_depth), hn::Set(f, job.least_depth)));
-        target = hn::Or(target,
-                        hn::IfThenElseZero(hn::RebindMask(si, is_abrupt), hn::Set(si, ReprojectedPoints::kAbruptBit)));
-        hn::StoreU(hn::IfThenElse(valid_i, target, hn::Set(si, ReprojectedPoints::kOutside)), si,
-                   points.target.data() + at);
+        VF per_w;
+        if (check_order) {
+            const VF point_x = hn::MulSub(depth, hn::MulAdd(column, u_step, u_first), step_x);
+            const Down point = down_of(job, y, depth);
+            valid = hn::And(valid, hn::Gt(point.w, least_here));
+            // One division for two.
+            const VF per_both = hn::Div(one, hn::Mul(w, point.w)), per_point_w = hn::Mul(per_both, w);
+            per_w = hn::Mul(per_both, point.w);
+            hn::StoreU(hn::IfThenElse(valid, hn::Mul(point_x, per_point_w), nan), f, across + x);
+            hn::StoreU(hn::IfThenElse(valid, hn::Mul(point.y, per_point_w), nan), f, down + x);
+        } else {
+            per_w = hn::Div(one, w);
+        }
+        const auto new_column = rounded(turned(0), per_w, 1.0f), new_row = rounded(turned(1), per_w, 1.0f);
+        valid = hn::And(hn::And(valid, hn::Gt(w, least_here)),
+                        hn::And(is_at_most(new_column, columns), is_at_most(new_row, rows)));
+        const auto place = hn::BitCast(si, hn::Add(hn::Add(hn::Mul(new_row, stride), new_column), origin));
+        const auto target = hn::IfThenElse(hn::RebindMask(si, valid), place, outside);
+        least = hn::Min(least, hn::BitCast(ui, target));
+        greatest = hn::Max(greatest, target);
+        const auto is_abrupt = hn::RebindMask(si, hn::Lt(w, least_depth));
+        hn::StoreU(hn::Or(target, hn::IfThenElseZero(is_abrupt, abrupt_bit)), si, targets + x);
     }
-    points.first_target[std::size_t(y)] = hn::GetLane(hn::MinOfLanes(si, least));
     points.last_target[std::size_t(y)] = hn::GetLane(hn::MaxOfLanes(si, greatest));
+    // Of a row without points the first is the greatest of all.
+    points.first_target[std::size_t(y)] =
+        std::int32_t(std::min(hn::GetLane(hn::MinOfLanes(ui, least)), std::uint32_t(kInfIndex)));
 }
 
 // Walks a part of a row in one direction and takes out what does not pass the farthest so far.
@@ -168,11 +192,8 @@ HWY_INLINE void check_columns_of_band(const PointsJob& job, const ReprojectedPoi
     const VF sign = hn::Set(f, band.downwards ? 1.0f : -1.0f);
     for (int y = band.begin; y < band.end; ++y) {
         const std::size_t at = job.last.index(x, y);
-        const auto is_sky =
-            hn::RebindMask(f, hn::Eq(hn::LoadU(ui, job.last.instance.data() + at), hn::Set(ui, kSkyInstance)));
-        const OldPoints point =
-            points_of(job, x, tangent_of_row(job, y), hn::LoadU(f, job.last.depth.data() + at), is_sky);
-        const VF way = hn::Mul(down_of(job, point, hn::Div(hn::Set(f, 1.0f), point.w)), sign);
+        const Down point = down_of(job, y, depth_of(job.last.depth.data() + at));
+        const VF way = hn::Mul(hn::Mul(point.y, hn::Div(hn::Set(f, 1.0f), point.w)), sign);
         const auto passes = hn::RebindMask(si, hn::Gt(way, farthest));
         hn::StoreU(
             hn::IfThenElse(passes, hn::LoadU(si, points.target.data() + at), hn::Set(si, ReprojectedPoints::kOutside)),
@@ -193,7 +214,9 @@ void ProjectBand(const PointsJob& job, std::size_t band_index, ReprojectedPoints
     }
     for (int i = 0; i < band.end - band.begin; ++i) {
         const int y = band.downwards ? band.begin + i : band.end - 1 - i;
-        project_row(job, y, across, down, points);
+        // The next row is asked for early: rows begin on pages of their own, where processors stop looking ahead.
+        const std::ptrdiff_t ahead = i + 1 < band.end - band.begin ? (band.downwards ? 1 : -1) * job.last.stride : 0;
+        project_row(job, y, ahead, across, down, points);
         if (!job.check_order) continue;
         std::int32_t* const target = points.target.data() + job.last.index(0, y);
         const auto check = [&](bool forwards, int begin, int end) {

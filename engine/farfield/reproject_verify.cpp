@@ -1,7 +1,9 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <cstring>
 #include <mutex>
+#include <type_traits>
 
 #include "engine/core/check.h"
 #include "engine/core/jobs.h"
@@ -109,20 +111,32 @@ void begin_tile(const AuxiliaryBand& band, const PinholeView& view, const Reproj
         work.candidates.rows[j] = std::uint16_t(work.inside.rows[j] & dense.rows[j] & ~work.resampled.rows[j]);
 }
 
+/// A row of a tile, all sky.
+struct SkyRow {
+    std::uint32_t instance[kTileSize];
+    std::uint32_t triangle[kTileSize]{};
+    float depth[kTileSize];
+    constexpr SkyRow() : instance(), depth() {
+        for (std::uint32_t& value : instance) value = kSkyInstance;
+        for (float& value : depth) value = std::numeric_limits<float>::infinity();
+    }
+};
+constexpr SkyRow kSkyRow;
+
 void write_background(const TileRequest& tile, const TileMask& background, VisibilityBuffer& out) {
-    const auto write = [&](std::size_t at) {
-        out.instance[at] = kSkyInstance;
-        out.triangle[at] = 0u;
-        out.depth[at] = std::numeric_limits<float>::infinity();
+    const auto write = [&](std::size_t at, auto count) {
+        std::memcpy(&out.instance[at], kSkyRow.instance, sizeof(float) * count());
+        std::memcpy(&out.triangle[at], kSkyRow.triangle, sizeof(float) * count());
+        std::memcpy(&out.depth[at], kSkyRow.depth, sizeof(float) * count());
     };
     for (int j = 0; j < kTileSize; ++j) {
         const std::size_t first = out.index(tile.x, tile.y + j);
-        if (background.rows[j] == 0xFFFFu) {  // most rows: a few whole registers
-            for (std::size_t i = 0; i < kTileSize; ++i) write(first + i);
+        if (background.rows[j] == 0xFFFFu) {
+            write(first, std::integral_constant<std::size_t, kTileSize>());
             continue;
         }
         for (std::uint32_t left = background.rows[j]; left != 0; left &= left - 1)
-            write(first + std::size_t(std::countr_zero(left)));
+            write(first + std::size_t(std::countr_zero(left)), std::integral_constant<std::size_t, 1>());
     }
 }
 
