@@ -143,7 +143,7 @@ HWY_INLINE VI pack(VI x0, VI x1, VI y0, VI y1) {
 }
 
 HWY_INLINE void children_in_beam(const BvhNode& node, const Beam& beam, const TileBounds& bounds, float least,
-                                 Met& met) {
+                                 float begin, Met& met) {
     for (int i = 0; i < 16; i += kLanes) {
         const float* lanes = node.low_x + i;
         // An empty lane gives -inf or, where a normal has a zero, not-a-number; neither is >= 0.
@@ -153,11 +153,12 @@ HWY_INLINE void children_in_beam(const BvhNode& node, const Beam& beam, const Ti
         const MF nearer = hn::Lt(hn::Mul(near, hn::Set(f, least)), hn::Set(f, kFarther));
         const MF met_beam = hn::And(hn::Ge(inside, zero), nearer);
         if (hn::AllFalse(f, met_beam)) continue;
+        const VF far = corner_value(beam, Beam::kFar, lanes);
         // Most boxes far away are smaller than a pixel, and most of those lie between the pixels' centres.
         const MF before_eye = hn::Gt(near, hn::Set(f, kMinW));
         const VF one = hn::Set(f, 1.0f);
         const VF per_near = hn::Div(one, hn::IfThenElse(before_eye, near, one));
-        const VF per_far = hn::Div(one, hn::IfThenElse(before_eye, corner_value(beam, Beam::kFar, lanes), one));
+        const VF per_far = hn::Div(one, hn::IfThenElse(before_eye, far, one));
         VI x0 = bounds.x0, x1 = bounds.x1, y0 = bounds.y0, y1 = bounds.y1;
         covered_centres(corner_value(beam, Beam::kLeft, lanes), corner_value(beam, Beam::kRight, lanes), per_near,
                         per_far, x0, x1);
@@ -167,7 +168,8 @@ HWY_INLINE void children_in_beam(const BvhNode& node, const Beam& beam, const Ti
         const auto whole = hn::RebindMask(si, hn::Not(before_eye));
         x0 = hn::IfThenElse(whole, bounds.x0, x0), x1 = hn::IfThenElse(whole, bounds.x1, x1);
         y0 = hn::IfThenElse(whole, bounds.y0, y0), y1 = hn::IfThenElse(whole, bounds.y1, y1);
-        const MF covers = hn::RebindMask(f, hn::Not(hn::Or(hn::Gt(x0, x1), hn::Gt(y0, y1))));
+        const MF covers =
+            hn::And(hn::RebindMask(f, hn::Not(hn::Or(hn::Gt(x0, x1), hn::Gt(y0, y1)))), hn::Ge(far, hn::Set(f, begin)));
         met.all |= bits_of(hn::And(met_beam, covers)) << i;
         hn::Store(near, f, met.near + i);
         hn::Store(hn::BitCast(ui, pack(x0, x1, y0, y1)), ui, met.rect + i);
@@ -225,7 +227,7 @@ HWY_INLINE void walk(const BvhNode* nodes, const Beam& beam, const Tile& tile, s
         const BvhNode& node = nodes[entry.child];
         ++visited;
         Met met;
-        children_in_beam(node, beam, bounds, tile.least(PixelRect{PixelRect::kWholeTile}.cells()), met);
+        children_in_beam(node, beam, bounds, tile.least(PixelRect{PixelRect::kWholeTile}.cells()), tile.begin, met);
         met.all &= children_of(entry.child);
         if (top + scene::kBvhWidth > kStackEntries) continue;  // no tree of ours is that deep
         const int bottom = top;

@@ -7,6 +7,7 @@
 
 #include "engine/core/check.h"
 #include "engine/core/jobs.h"
+#include "engine/farfield/reproject_changes.h"
 #include "engine/farfield/reproject_points.h"
 
 namespace ff::farfield {
@@ -45,6 +46,15 @@ PixelCause Reprojection::Causes::at(int x, int y) const {
     return abrupt.test(x, y) ? PixelCause::abrupt : PixelCause::failed;
 }
 
+void Reprojection::invalidate(const DBox3& box) {
+    constexpr std::size_t kMost = 16;  // the last one holds all that come later
+    if (box.is_empty()) return;
+    if (changed_.size() < kMost)
+        changed_.push_back(box);
+    else
+        changed_.back().add(box);
+}
+
 bool Reprojection::reproject(const PinholeView& last_view, const VisibilityBuffer& last, const PinholeView& view,
                              const ReprojectSettings& settings) {
     FF_CHECK(last_view.width == view.width && last_view.height == view.height && last.width == view.width &&
@@ -52,7 +62,10 @@ bool Reprojection::reproject(const PinholeView& last_view, const VisibilityBuffe
              "a view of {}x{} after one of {}x{} in a buffer of {}x{}", view.width, view.height, last_view.width,
              last_view.height, last.width, last.height);
     FF_CHECK(view.width <= 16384, "a view {} pixels wide", view.width);
-    if (settings.check_view_frustum && !is_inside_frustum(view.position, last_view)) return false;
+    if (settings.check_view_frustum && !is_inside_frustum(view.position, last_view)) {
+        changed_.clear();  // all is cast
+        return false;
+    }
     using namespace reprojection;
     const PointsJob job(last_view, last, view, settings, std::uint32_t(scene_.instances.size()));
     begin_points(job, points_);
@@ -60,6 +73,7 @@ bool Reprojection::reproject(const PinholeView& last_view, const VisibilityBuffe
     if (job.check_order)
         parallel_ranges(std::size_t(last.stride), kColumnsPerTask,
                         [&](std::size_t begin, std::size_t end) { check_columns(job, int(begin), int(end), points_); });
+    drop_points(changed_, last_view, last, points_);
     return true;
 }
 

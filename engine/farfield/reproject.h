@@ -29,6 +29,7 @@
 #include "engine/core/zero_pages.h"
 #include "engine/farfield/pixel_mask.h"
 #include "engine/farfield/ray_caster.h"
+#include "engine/math/bounds.h"
 
 namespace ff::farfield {
 
@@ -53,6 +54,9 @@ struct ReprojectSettings {
     bool check_abrupt = true;    ///< P3 4.3.1: points that come too fast are left out
     int abrupt_frames = 4;       ///< its N: a step must not exceed depth / 2 / N. [1, 64]
     bool use_background = true;  ///< P3 5.2: sky is reprojected like everything else
+    /// P3 5.3: where points landed all around a pixel that fails, its ray begins before the nearest of them. Off: as in
+    /// P3's own tables it gains nothing, and what was not there a frame before may be passed over.
+    bool shift_origin = false;
 
     friend bool operator==(const ReprojectSettings&, const ReprojectSettings&) = default;
 };
@@ -64,7 +68,7 @@ enum class PixelCause : std::uint8_t { verified, background, failed, resampled, 
 struct ReprojectCounts {
     std::uint64_t verified = 0;    ///< seen by one intersection
     std::uint64_t background = 0;  ///< sky that was sky
-    std::uint64_t failed = 0;      ///< to be cast: nothing landed here, or it was not hit
+    std::uint64_t failed = 0;      ///< to be cast: nothing landed here, it was not hit, or something has changed
     std::uint64_t resampled = 0;   ///< to be cast because it is due
     std::uint64_t abrupt = 0;      ///< to be cast because what landed here came too fast
     std::uint64_t primitives = 0;  ///< intersected, each once per tile
@@ -120,6 +124,11 @@ class Reprojection {
     explicit Reprojection(const scene::StaticScene& scene);
     ~Reprojection();
 
+    /// What lies in the box has changed since the last frame: call it with the old and the new box of whatever changed.
+    /// The next verify() leaves exactly those pixels to be cast, of the ones that it would answer otherwise, whose rays
+    /// meet the box before or where they end; points in the box are not looked at.
+    void invalidate(const DBox3& box);
+
     /// Finds where the last frame's points land in this frame.
     /// @param last_view  whose frame `last` holds; same size as `view`
     /// @param last       instances that are not the scene's own (moving ones) give no points
@@ -130,7 +139,7 @@ class Reprojection {
     /// Intersects each pixel with what landed around it, after reproject() returned true.
     /// @param frame  in: what was `last`; out: verified and background pixels of this frame, nothing of meaning
     ///               elsewhere. The two lie in different memory, which changes hands
-    /// @param left   tiles of all other pixels
+    /// @param left   tiles of all other pixels, for cast_left_over() with the settings' shift_origin
     ReprojectCounts verify(const PinholeView& view, const ReprojectSettings& settings, std::uint64_t frame_number,
                            VisibilityBuffer& frame, std::vector<TileRequest>& left);
 
@@ -148,6 +157,7 @@ class Reprojection {
     ReprojectedPoints points_;
     VisibilityBuffer last_;
     Causes causes_;
+    std::vector<DBox3> changed_;
     std::unique_ptr<Scratch> scratch_;
 };
 

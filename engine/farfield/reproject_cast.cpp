@@ -20,8 +20,11 @@ int square_row(const TileRequest& tile) {
 
 CastCost cast_left_over(RayCaster& few, RayCaster& much, const PinholeView& view, std::span<const TileRequest> left,
                         std::vector<TileRequest>& scratch_few, std::vector<TileRequest>& scratch_much,
-                        VisibilityBuffer& out) {
-    if (&few == &much) return much.cast_tiles(view, left, out);
+                        bool shift_origin, VisibilityBuffer& out) {
+    const auto cast = [&](RayCaster& caster, std::span<const TileRequest> tiles) {
+        return shift_origin ? caster.cast_tiles_beyond(view, tiles, out) : caster.cast_tiles(view, tiles, out);
+    };
+    if (&few == &much) return cast(much, left);
     scratch_few.clear();
     scratch_much.clear();
     std::array<int, kMostSquares> asked;
@@ -33,7 +36,7 @@ CastCost cast_left_over(RayCaster& few, RayCaster& much, const PinholeView& view
         for (const TileRequest& tile : left.subspan(begin, end - begin))
             (asked[tile.x / beam::kBeamSize] >= kManyPixels ? scratch_much : scratch_few).push_back(tile);
     }
-    const CastCost a = few.cast_tiles(view, scratch_few, out), b = much.cast_tiles(view, scratch_much, out);
+    const CastCost a = cast(few, scratch_few), b = cast(much, scratch_much);
     return {a.rays + b.rays, a.nodes + b.nodes, a.triangles + b.triangles};
 }
 

@@ -14,8 +14,9 @@ namespace ff::farfield {
 /// @param few   answers the tiles of which little is asked
 /// @param much  answers the others; may be the same
 /// @param scratch_few, scratch_much  overwritten
+/// @param shift_origin  `out` holds how far rays need not look (RayCaster::cast_tiles_beyond)
 CastCost cast_left_over(RayCaster& few, RayCaster& much, const PinholeView& view, std::span<const TileRequest> left,
                         std::vector<TileRequest>& scratch_few, std::vector<TileRequest>& scratch_much,
-                        VisibilityBuffer& out);
+                        bool shift_origin, VisibilityBuffer& out);
 
 }  // namespace ff::farfield

@@ -7,6 +7,7 @@
 
 #include "engine/core/check.h"
 #include "engine/core/jobs.h"
+#include "engine/farfield/reproject_changes.h"
 #include "engine/farfield/reproject_votes.h"
 #include "engine/farfield/tile_regroup.h"
 
@@ -189,6 +190,14 @@ ReprojectCounts Reprojection::verify(const PinholeView& view, const ReprojectSet
             background = mask_of([&](int j) { return missed.rows[j] & sky.rows[j]; });
             write_background(asked, background, out);
         }
+        TileMask changed;
+        if (!changed_.empty()) {
+            TileRequest answered = asked;
+            for (int j = 0; j < kTileSize; ++j) answered.rows[j] = std::uint16_t(verified.rows[j] | background.rows[j]);
+            changed = reprojection::pixels_behind(changed_, view, answered, out);
+            verified = mask_of([&](int j) { return verified.rows[j] & ~changed.rows[j]; });
+            background = mask_of([&](int j) { return background.rows[j] & ~changed.rows[j]; });
+        }
         const auto left_over = [&](int j) { return work.inside.rows[j] & ~verified.rows[j] & ~background.rows[j]; };
         const TileMask resampled = mask_of([&](int j) { return left_over(j) & work.resampled.rows[j]; });
         if (any_of(work.landed.abrupt)) {
@@ -196,6 +205,15 @@ ReprojectCounts Reprojection::verify(const PinholeView& view, const ReprojectSet
             abrupt = mask_of([&](int j) { return left_over(j) & ~resampled.rows[j] & near_abrupt.rows[j]; });
         }
         const TileMask failed = mask_of([&](int j) { return left_over(j) & ~resampled.rows[j] & ~abrupt.rows[j]; });
+        if (settings.shift_origin) {
+            const TileMask filled = reprojection::count_around(work.landed.filled, 9);
+            TileRequest cast = asked;
+            for (int j = 0; j < kTileSize; ++j) cast.rows[j] = std::uint16_t(left_over(j));
+            // With a change pending nobody knows what is nearer.
+            const TileMask shifted = mask_of(
+                [&](int j) { return changed_.empty() ? cast.rows[j] & ~resampled.rows[j] & filled.rows[j] : 0; });
+            reprojection::write_origins(band, cast, shifted, settings.surface_share, out);
+        }
         causes_.verified.tiles[t] = verified;
         causes_.background.tiles[t] = background;
         causes_.resampled.tiles[t] = resampled;
@@ -233,6 +251,8 @@ ReprojectCounts Reprojection::verify(const PinholeView& view, const ReprojectSet
         answer_band(tile_y, *task);
         scratch_->give(task);
     });
+
+    changed_.clear();
 
     left.clear();
     for (std::size_t t = 0; t < tiles_x * tiles_y; ++t) {

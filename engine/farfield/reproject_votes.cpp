@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <limits>
 
 #include "engine/farfield/lane_bits-inl.h"
 #include "engine/farfield/reproject_votes.h"
@@ -166,6 +167,24 @@ void read_tile(const AuxiliaryBand& band, int x, int y, Landed& landed, Primitiv
 TileMask count_votes(const AuxiliaryBand& band, const VisibilityBuffer& hits, const TileRequest& tile,
                      const TileMask& all_solid, const ReprojectSettings& settings) {
     return HWY_DYNAMIC_DISPATCH(CountVotes)(band, hits, tile, all_solid, settings);
+}
+
+void write_origins(const AuxiliaryBand& band, const TileRequest& tile, const TileMask& shifted, float surface_share,
+                   VisibilityBuffer& out) {
+    for (int j = 0; j < kTileSize; ++j)
+        for (std::uint32_t left = tile.rows[j]; left != 0; left &= left - 1) {
+            const int i = std::countr_zero(left), x = tile.x + i, y = tile.y + j;
+            float& origin = out.depth[out.index(x, y)];
+            origin = 0.0f;
+            if (((shifted.rows[j] >> i) & 1) == 0) continue;
+            float nearest = std::numeric_limits<float>::infinity();
+            for (int dy = -1; dy <= 1; ++dy)
+                for (int dx = -1; dx <= 1; ++dx) {
+                    const std::size_t at = band.index(x + dx, y + dy);
+                    if (band.instance[at] < AuxiliaryBand::kAbrupt) nearest = std::min(nearest, band.depth[at]);
+                }
+            if (nearest < std::numeric_limits<float>::infinity()) origin = nearest * (1.0f - surface_share);
+        }
 }
 
 TileMask count_around(const std::uint32_t (&bits)[kTileSize + 2], int least) {

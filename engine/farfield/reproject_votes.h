@@ -26,4 +26,10 @@ void read_tile(const AuxiliaryBand& band, int x, int y, Landed& landed, Primitiv
 [[nodiscard]] TileMask count_votes(const AuxiliaryBand& band, const VisibilityBuffer& hits, const TileRequest& tile,
                                    const TileMask& all_solid, const ReprojectSettings& settings);
 
+/// P3 5.3: writes at each pixel of a tile how far its ray need not look, as depth: up to the nearest of the nine points
+/// that landed around it, and as much less as still counts as one surface.
+/// @param shifted  pixels around which nine points landed that are worth it; all others get 0
+void write_origins(const AuxiliaryBand& band, const TileRequest& tile, const TileMask& shifted, float surface_share,
+                   VisibilityBuffer& out);
+
 }  // namespace ff::farfield::reprojection

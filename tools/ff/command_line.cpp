@@ -63,6 +63,8 @@ void add_reproject_options(CLI::App& app, frame::FrameSettings& settings) {
            "Mode reproject without some of its checks: frustum,occlusion,resampling,abrupt,background,vote")
         ->delimiter(',')
         ->check(CLI::IsMember({"frustum", "occlusion", "resampling", "abrupt", "background", "vote"}));
+    app.add_flag("--reproject-shift", settings.reproject.shift_origin,
+                 "Rays of pixels that fail begin where points landed around them (P3 5.3)");
     app.add_option("--reproject-count", settings.reproject.min_count,
                    "Points around a pixel that must vote for its hit (P3's m_cnt)")
         ->check(CLI::Range(0, 9));
