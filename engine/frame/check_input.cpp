@@ -74,6 +74,8 @@ Status check_settings(const FrameSettings& settings) {
         return bad_input(fmt::format("settings: panorama_density {}; expected [0.25, 2]", settings.panorama_density));
     if (const int n = settings.horizon_subsample; n != 1 && n != 2 && n != 4)
         return bad_input(fmt::format("settings: horizon_subsample {}; expected 1, 2 or 4", n));
+    if (const int n = settings.sun_refresh_frames; n < 0 || n > 255)
+        return bad_input(fmt::format("settings: sun_refresh_frames {}; expected [0, 255]", n));
     return check_reprojection(settings.reproject);
 }
 

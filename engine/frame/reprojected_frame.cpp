@@ -59,9 +59,12 @@ void draw_reprojected_frame(const FramePlan& plan, const Tools& tools, FrameHist
                                    history.sources.dynamic);
         stats.pixels.dynamic = history.sources.dynamic.count();
     }
+    const std::uint8_t* const sun_seen =
+        find_sun(plan, tools.scene, history.visibility, history.all_tiles, history.sun, stats);
     const TimedPass timed(stats, Pass::shade);
-    stats.shaded_pixels = shading::shade_tiles(tools.scene, plan.dynamic, plan.view, history.visibility,
-                                               history.all_tiles, {.prelit_beyond_m = plan.prelit_beyond_m}, image);
+    stats.shaded_pixels =
+        shading::shade_tiles(tools.scene, plan.dynamic, plan.view, history.visibility, history.all_tiles,
+                             {.prelit_beyond_m = plan.prelit_beyond_m, .sun_seen = sun_seen}, image);
 }
 
 }  // namespace ff::frame

@@ -1,0 +1,101 @@
+// A group's walk: over the instances, and within each that some of its points may be hidden by.
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "engine/farfield/sun_group.cpp"
+#include <hwy/foreach_target.h>  // must come before highway.h
+#include <hwy/highway.h>
+
+#include <bit>
+
+#include "engine/farfield/sun_group.h"
+#include "engine/farfield/sun_leaf-inl.h"
+#include "engine/farfield/sun_walk-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace ff::farfield::beam {
+namespace HWY_NAMESPACE {
+namespace {
+
+HWY_INLINE Vec3 reach_of_box(const Vec3& low, const Vec3& high) {
+    return glm::max(glm::abs(low), glm::abs(high));
+}
+
+// Takes from `left` those of the points that the instance hides.
+HWY_NOINLINE void hide_by_instance(const scene::StaticScene& scene, std::uint32_t id, std::uint32_t first_id,
+                                   const LightFrame& light, const GroupPoints& p, std::uint64_t points,
+                                   std::uint64_t& left, CastCost& cost) {
+    const scene::Instance& instance = scene.instances[id];
+    const scene::Mesh& mesh = scene.meshes[instance.mesh];
+    const BvhNode* nodes = scene.mesh_nodes.data() + mesh.first_node;
+    prefetch_all(nodes);
+    const BvhLeaf* leaves = scene.mesh_leaves.data() + mesh.first_leaf;
+    const LightRows rows = light_rows(light, instance.world_from_mesh, instance.position - p.group.centre);
+    const SunSpace space = sun_space(rows, reach_of_box(mesh.bounds.low, mesh.bounds.high), p.extent);
+    Slabs slabs;
+    find_slabs(space, p, slabs);
+    walk_sunwards(
+        nodes, space, p, slabs, points, left, cost.nodes,
+        [&](std::uint32_t child) {
+            if (child & kBvhLeafBit)
+                prefetch_all(leaves + (child & ~kBvhLeafBit));
+            else
+                prefetch_all(nodes + child);
+        },
+        [&](std::uint32_t leaf, std::uint64_t of_leaf) {
+            cost.triangles += leaves[leaf].triangle_count;
+            left &= ~hidden_by_leaf({scene, leaves[leaf], id, first_id + id, p}, rows, of_leaf);
+        });
+}
+
+}  // namespace
+
+void CastGroup(const scene::StaticScene& scene, std::uint32_t first_id, const LightFrame& light, PointGroup& group,
+               CastCost& cost) {
+    if (scene.instance_nodes.empty() || group.left == 0) return;
+    const GroupPoints p(group);
+    const LightRows rows = light_rows(light, Mat3(1.0f), scene.origin - group.centre);
+    const Vec3 reach = reach_of_box(Vec3(scene.bounds.low - scene.origin), Vec3(scene.bounds.high - scene.origin));
+    const SunSpace space = sun_space(rows, reach, p.extent);
+    Slabs slabs;
+    find_slabs(space, p, slabs);
+    walk_sunwards(
+        scene.instance_nodes.data(), space, p, slabs, group.left, group.left, cost.nodes,
+        [&](std::uint32_t child) {
+            if (child & kBvhLeafBit)
+                prefetch_all(scene.instances.data() + (child & ~kBvhLeafBit));
+            else
+                prefetch_all(scene.instance_nodes.data() + child);
+        },
+        [&](std::uint32_t id, std::uint64_t points) {
+            hide_by_instance(scene, id, first_id, light, p, points, group.left, cost);
+        });
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace ff::farfield::beam
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+#include <cmath>
+#include <glm/geometric.hpp>
+
+namespace ff::farfield::beam {
+HWY_EXPORT(CastGroup);
+}
+
+namespace ff::farfield::sun {
+
+LightFrame::LightFrame(const Vec3& to_sun) : s(0.0), t(0.0), d(glm::normalize(DVec3(to_sun))) {
+    const DVec3 across = std::abs(d.y) < 0.9 ? DVec3(0, 1, 0) : DVec3(1, 0, 0);
+    s = glm::normalize(glm::cross(across, d));
+    t = glm::cross(d, s);
+}
+
+void cast_group(const scene::StaticScene& scene, std::uint32_t first_id, const LightFrame& light, PointGroup& group,
+                CastCost& cost) {
+    using namespace beam;
+    HWY_DYNAMIC_DISPATCH(CastGroup)(scene, first_id, light, group, cost);
+}
+
+}  // namespace ff::farfield::sun
+#endif

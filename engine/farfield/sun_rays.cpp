@@ -1,0 +1,87 @@
+#include "engine/farfield/sun_rays.h"
+
+#include <cmath>
+#include <glm/geometric.hpp>
+
+#include "engine/core/check.h"
+#include "engine/core/jobs.h"
+#include "engine/farfield/cast_cost_sum.h"
+#include "engine/farfield/sun_group.h"
+#include "engine/farfield/sun_points.h"
+#include "engine/scene/scene_data.h"
+
+namespace ff::farfield {
+
+using sun::LightFrame;
+using sun::PointGroup;
+using sun::PointPool;
+
+float reach_of(const scene::Mesh& mesh, const scene::Instance& instance) {
+    const Vec3 reach = glm::max(glm::abs(mesh.bounds.low), glm::abs(mesh.bounds.high));
+    const Mat3& m = instance.world_from_mesh;
+    return glm::length(glm::abs(m[0]) * reach.x + glm::abs(m[1]) * reach.y + glm::abs(m[2]) * reach.z);
+}
+
+SunRays::SunRays(const scene::StaticScene& scene) : scene_(scene), moving_(scene) {}
+
+const scene::StaticScene& SunRays::moving(std::span<const scene::Instance> dynamic) {
+    moving_.instances = dynamic;
+    moving_.bounds = {};
+    for (const scene::Instance& instance : dynamic) moving_.bounds.add(instance.bounds);
+    moving_nodes_.clear();
+    if (!dynamic.empty()) scene::build_instance_bvh(dynamic, scene_.origin, moving_nodes_);
+    moving_.instance_nodes = moving_nodes_;
+    return moving_;
+}
+
+namespace {
+
+// Casts the rays of a pool and writes their answers.
+void cast_pool(const scene::StaticScene& scene, const scene::StaticScene& moving, const PointPool& pool,
+               const WorldPos& eye, const LightFrame& light, std::uint8_t* lit, CastCost& cost) {
+    PointGroup group;
+    for (int first = 0; first < pool.count; first += group.count) {
+        make_group(pool, first, eye, light, group);
+        cast_group(scene, 0, light, group, cost);
+        cast_group(moving, std::uint32_t(scene.instances.size()), light, group, cost);
+        for (int i = 0; i < group.count; ++i) lit[pool.answer[first + i]] = ((group.left >> i) & 1u) != 0 ? 255 : 0;
+    }
+    cost.rays += std::uint64_t(pool.count);
+}
+
+}  // namespace
+
+CastCost SunRays::cast(const PinholeView& view, const VisibilityBuffer& visibility, std::span<const TileRequest> tiles,
+                       std::span<const scene::Instance> dynamic, const Vec3& to_sun, std::uint8_t* lit) {
+    FF_CHECK(visibility.width >= view.width && visibility.height >= view.height, "view {} x {}, buffer {} x {}",
+             view.width, view.height, visibility.width, visibility.height);
+    const scene::StaticScene& others = moving(dynamic);
+    const LightFrame light(to_sun);
+    CastCostSum shared;
+    parallel_ranges(tiles.size(), PointPool::kTiles, [&](std::size_t begin, std::size_t end) {
+        CastCost cost;
+        PointPool pool;
+        for (std::size_t i = begin; i < end; ++i)
+            gather_tile(scene_, dynamic, view, light, visibility, tiles[i], lit, pool);
+        cast_pool(scene_, others, pool, view.position, light, lit, cost);
+        shared.add(cost);
+    });
+    return shared.total();
+}
+
+CastCost SunRays::cast_points(const WorldPos& origin, std::span<const SunPoint> points,
+                              std::span<const scene::Instance> dynamic, const Vec3& to_sun, std::uint8_t* lit) {
+    const scene::StaticScene& others = moving(dynamic);
+    const LightFrame light(to_sun);
+    CastCostSum shared;
+    parallel_ranges(points.size(), PointPool::kMost, [&](std::size_t begin, std::size_t end) {
+        CastCost cost;
+        PointPool pool;
+        for (std::size_t i = begin; i < end; ++i) sun::gather_point(points[i], std::uint32_t(i), light, lit, pool);
+        cast_pool(scene_, others, pool, origin, light, lit, cost);
+        shared.add(cost);
+    });
+    return shared.total();
+}
+
+}  // namespace ff::farfield
