@@ -22,8 +22,8 @@ HWY_INLINE Vec3 reach_of_box(const Vec3& low, const Vec3& high) {
 
 // Takes from `left` those of the points that the instance hides.
 HWY_NOINLINE void hide_by_instance(const scene::StaticScene& scene, std::uint32_t id, std::uint32_t first_id,
-                                   const LightFrame& light, const GroupPoints& p, std::uint64_t points,
-                                   std::uint64_t& left, CastCost& cost) {
+                                   const LightFrame& light, const GroupPoints& p, const Slabs& unturned,
+                                   std::uint64_t points, std::uint64_t& left, CastCost& cost) {
     const scene::Instance& instance = scene.instances[id];
     const scene::Mesh& mesh = scene.meshes[instance.mesh];
     const BvhNode* nodes = scene.mesh_nodes.data() + mesh.first_node;
@@ -31,10 +31,11 @@ HWY_NOINLINE void hide_by_instance(const scene::StaticScene& scene, std::uint32_
     const BvhLeaf* leaves = scene.mesh_leaves.data() + mesh.first_leaf;
     const LightRows rows = light_rows(light, instance.world_from_mesh, instance.position - p.group.centre);
     const SunSpace space = sun_space(rows, reach_of_box(mesh.bounds.low, mesh.bounds.high), p.extent);
-    Slabs slabs;
-    find_slabs(space, p, slabs);
+    Slabs own;
+    const bool is_turned = instance.world_from_mesh != Mat3(1.0f);
+    if (is_turned) find_slabs(space, p, own);
     walk_sunwards(
-        nodes, space, p, slabs, points, left, cost.nodes,
+        nodes, space, p, is_turned ? own : unturned, points, left, cost.nodes,
         [&](std::uint32_t child) {
             if (child & kBvhLeafBit)
                 prefetch_all(leaves + (child & ~kBvhLeafBit));
@@ -67,7 +68,7 @@ void CastGroup(const scene::StaticScene& scene, std::uint32_t first_id, const Li
                 prefetch_all(scene.instance_nodes.data() + child);
         },
         [&](std::uint32_t id, std::uint64_t points) {
-            hide_by_instance(scene, id, first_id, light, p, points, group.left, cost);
+            hide_by_instance(scene, id, first_id, light, p, slabs, points, group.left, cost);
         });
 }
 
