@@ -29,6 +29,7 @@ namespace HWY_NAMESPACE {
 namespace {
 
 using sun::LightFrame;
+using sun::Occluders;
 using sun::PointGroup;
 
 // Light space, relative to a group's centre, from a hierarchy's own.
