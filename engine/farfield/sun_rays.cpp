@@ -1,5 +1,6 @@
 #include "engine/farfield/sun_rays.h"
 
+#include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
 
@@ -44,6 +45,19 @@ struct KnownOccluders {
     sun::Occluders standing, moving;
 };
 
+// Asks for what a tile's pixels see: rows of an image lie too far apart for the processor to see it coming.
+void prefetch_tile(const VisibilityBuffer& visibility, const TileRequest& tile, std::uint8_t* lit) {
+    for (int row = 0; row < kTileSize; ++row) {
+        if (tile.rows[row] == 0) continue;
+        const std::size_t at = visibility.index(tile.x, tile.y + row);
+        if (at >= visibility.depth.size()) return;
+        __builtin_prefetch(&visibility.instance[at]);
+        __builtin_prefetch(&visibility.triangle[at]);
+        __builtin_prefetch(&visibility.depth[at]);
+        __builtin_prefetch(lit + at, 1);
+    }
+}
+
 // Casts the rays of a pool and writes their answers.
 void cast_pool(const scene::StaticScene& scene, const scene::StaticScene& moving, const PointPool& pool,
                const WorldPos& eye, const LightFrame& light, KnownOccluders& known, std::uint8_t* lit, CastCost& cost) {
@@ -73,6 +87,9 @@ CastCost SunRays::cast(const PinholeView& view, const VisibilityBuffer& visibili
             PointPool pool;
             for (int i = 0; i < PointPool::kTiles && begin < end; ++i)
                 gather_tile(scene_, dynamic, view, light, visibility, tiles[begin++], lit, pool);
+            // While rays are cast, the next tiles' pixels come.
+            for (std::size_t i = begin; i < std::min(begin + PointPool::kTiles, tiles.size()); ++i)
+                prefetch_tile(visibility, tiles[i], lit);
             cast_pool(scene_, others, pool, view.position, light, known, lit, cost);
         }
         shared.add(cost);
