@@ -66,6 +66,7 @@ void CastTile(const scene::StaticScene& scene, const BeamView& view, const BeamR
     Tile tile;
     std::uint32_t rows[kBeamSize];
     if (!begin_tile(view.view, request, rows, tile)) return;
+    tile.begin = request.begin;
     for (const std::uint32_t row : rows) cost.rays += std::uint64_t(std::popcount(row));
 
     const AlphaRays rays = view.alpha_rays(request.x, request.y);

@@ -155,11 +155,12 @@ HWY_INLINE void children_in_beam(const BvhNode& node, const Beam& beam, const Ti
         const MF nearer = hn::Lt(hn::Mul(near, hn::Set(f, least)), hn::Set(f, kFarther));
         const MF met_beam = hn::And(hn::Ge(inside, zero), nearer);
         if (hn::AllFalse(f, met_beam)) continue;
+        const VF far = corner_value(beam, Beam::kFar, lanes);
         // Most boxes far away are smaller than a pixel, and most of those lie between the pixels' centres.
         const MF before_eye = hn::Gt(near, hn::Set(f, kMinW));
         const VF one = hn::Set(f, 1.0f);
         const VF per_near = hn::Div(one, hn::IfThenElse(before_eye, near, one));
-        const VF per_far = hn::Div(one, hn::IfThenElse(before_eye, corner_value(beam, Beam::kFar, lanes), one));
+        const VF per_far = hn::Div(one, hn::IfThenElse(before_eye, far, one));
         VI x0 = bounds.x0, x1 = bounds.x1, y0 = bounds.y0, y1 = bounds.y1;
         covered_centres(corner_value(beam, Beam::kLeft, lanes), corner_value(beam, Beam::kRight, lanes), per_near,
                         per_far, x0, x1);
@@ -172,7 +173,9 @@ HWY_INLINE void children_in_beam(const BvhNode& node, const Beam& beam, const Ti
         const MF covers = hn::RebindMask(f, hn::Not(hn::Or(hn::Gt(x0, x1), hn::Gt(y0, y1))));
         const VI rect = pack(x0, x1, y0, y1);
         const VF seen = hn::GatherIndex(f, tile.best + kLeast, hn::And(hn::ShiftRight<20>(rect), hn::Set(si, 255)));
-        const MF is_met = hn::And(hn::And(met_beam, covers), hn::Lt(hn::Mul(near, seen), hn::Set(f, kFarther)));
+        const MF not_before = hn::Ge(far, hn::Set(f, tile.begin));
+        const MF is_met =
+            hn::And(hn::And(met_beam, not_before), hn::And(covers, hn::Lt(hn::Mul(near, seen), hn::Set(f, kFarther))));
         met.all |= bits_of(is_met) << i;
         hn::Store(hn::BitCast(ui, rect), ui, met.rect + i);
     }

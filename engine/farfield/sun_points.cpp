@@ -99,6 +99,20 @@ struct Pixels {
     alignas(64) std::uint32_t at[kPixels];
 };
 
+using E = hn::CappedTag<float, 8>;
+constexpr E ef;
+constexpr hn::RebindToSigned<E> ei;
+constexpr hn::RebindToUnsigned<E> eu;
+constexpr int kEightLanes = int(hn::MaxLanes(ef));
+
+// Whether eight numbers are all this one.
+HWY_INLINE bool is_everywhere(const std::uint32_t* eight, std::uint32_t number) {
+    bool is_all = true;
+    for (int i = 0; i < 8; i += kEightLanes)
+        is_all &= hn::AllTrue(eu, hn::Eq(hn::LoadU(eu, eight + i), hn::Set(eu, number)));
+    return is_all;
+}
+
 HWY_INLINE void find_pixels(const PinholeView& view, const VisibilityBuffer& visibility, const TileRequest& tile,
                             std::uint8_t* lit, Surfaces& surfaces, Pixels& pixels) {
     const int columns = std::min(kTileSize, view.width - int(tile.x));
@@ -111,6 +125,23 @@ HWY_INLINE void find_pixels(const PinholeView& view, const VisibilityBuffer& vis
         for (int row = first_row; row < std::min(first_row + 8, rows); ++row) {
             std::uint32_t bits = tile.rows[row] & ((1u << columns) - 1u) & 0xFFu << first_column;
             const std::size_t row_at = visibility.index(tile.x, tile.y + row);
+            // Mostly a row sees one triangle.
+            const std::size_t eight_at = row_at + std::size_t(first_column);
+            if (bits == 0xFFu << first_column && last_instance < kUnresolved &&
+                is_everywhere(visibility.instance.data() + eight_at, last_instance) &&
+                is_everywhere(visibility.triangle.data() + eight_at, last_triangle)) {
+                for (int i = 0; i < 8; i += kEightLanes) {
+                    const int to = pixels.count + i;
+                    hn::StoreU(hn::Iota(ef, float(tile.x + first_column + i)), ef, pixels.x + to);
+                    hn::StoreU(hn::Set(ef, float(tile.y + row)), ef, pixels.y + to);
+                    hn::StoreU(hn::LoadU(ef, visibility.depth.data() + eight_at + i), ef, pixels.depth + to);
+                    hn::StoreU(hn::Set(ei, last), ei, pixels.surface + to);
+                    hn::StoreU(hn::Iota(eu, std::uint32_t(eight_at) + std::uint32_t(i)), eu, pixels.at + to);
+                }
+                pixels.count += 8;
+                std::fill_n(lit + eight_at, 8, std::uint8_t(0));
+                continue;
+            }
             for (; bits != 0; bits &= bits - 1) {
                 const int column = std::countr_zero(bits);
                 const std::size_t at = row_at + std::size_t(column);

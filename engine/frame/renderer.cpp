@@ -68,6 +68,12 @@ void Renderer::reset() {
     history_.reset(width_, height_);
 }
 
+void Renderer::region_changed(const DBox3& box) {
+    if (history_.panorama && history_.panorama->invalidate(box) > 0) history_.panorama_is_full = false;
+    if (history_.reprojection) history_.reprojection->invalidate(box);
+    history_.horizon.invalidate();
+}
+
 const FrameStats& Renderer::refuse(Error reason, shading::Image& image) {
     refusal_ = std::move(reason);
     if (image.width != width_ || image.height != height_) image.resize(width_, height_);

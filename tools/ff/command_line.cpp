@@ -66,6 +66,8 @@ void add_reproject_options(CLI::App& app, frame::FrameSettings& settings) {
            "Mode reproject without some of its checks: frustum,occlusion,resampling,abrupt,background,vote")
         ->delimiter(',')
         ->check(CLI::IsMember({"frustum", "occlusion", "resampling", "abrupt", "background", "vote"}));
+    app.add_flag("--reproject-shift", settings.reproject.shift_origin,
+                 "Rays of pixels that fail begin where points landed around them (P3 5.3)");
     app.add_option("--reproject-count", settings.reproject.min_count,
                    "Points around a pixel that must vote for its hit (P3's m_cnt)")
         ->check(CLI::Range(0, 9));
@@ -80,7 +82,7 @@ void add_reproject_options(CLI::App& app, frame::FrameSettings& settings) {
         ->check(CLI::Range(0, 64));
     app.add_option("--reproject-block", settings.reproject.resample_block_px,
                    "Pixels that are cast for it lie in blocks of this side")
-        ->check(CLI::IsMember({1, 2, 4, 8, 16}));
+        ->check(CLI::IsMember({1, 2, 4, 8, 16, 32}));
     app.add_option("--reproject-caster", settings.reproject_caster,
                    "Who casts the tiles that mode reproject leaves: beam, embree or grid; single pixels go to Embree")
         ->transform(CLI::CheckedTransformer(kCasters, CLI::ignore_case).description(""));
