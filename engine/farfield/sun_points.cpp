@@ -9,6 +9,7 @@
 #include <bit>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <limits>
 
 #include "engine/farfield/sun_points.h"
 
@@ -214,7 +215,8 @@ void GatherTile(const scene::StaticScene& scene, std::span<const scene::Instance
         const VF away = hn::MulAdd(normal_s, s, hn::MulAdd(normal_t, t, hn::Mul(normal_d, d)));
         const VF flip = hn::IfThenElseZero(hn::Gt(away, hn::Zero(f)), hn::Set(f, -0.0f));
         normal_s = hn::Xor(normal_s, flip), normal_t = hn::Xor(normal_t, flip), normal_d = hn::Xor(normal_d, flip);
-        const auto sunny = hn::And(valid, hn::Gt(normal_d, hn::Zero(f)));
+        const auto has_place = hn::Lt(depth, hn::Set(f, std::numeric_limits<float>::max()));
+        const auto sunny = hn::And(hn::And(valid, has_place), hn::Gt(normal_d, hn::Zero(f)));
         const VF offset = hn::MulAdd(hn::Set(f, per_depth), depth, hn::GatherIndex(f, surfaces.offset, surface));
         const int to = pool.count;
         hn::StoreU(hn::MulAdd(depth, s, hn::Mul(offset, normal_s)), f, pool.s + to);
@@ -257,6 +259,11 @@ void gather_point(const SunPoint& point, std::uint32_t answer, const LightFrame&
         return;
     }
     const Vec3 start = point.position + point.offset_m * point.normal;
+    // A group's origin is one of its points: none may be without a place.
+    if (!std::isfinite(start.x + start.y + start.z)) {
+        lit[answer] = 255;
+        return;
+    }
     const int to = pool.count++;
     pool.s[to] = glm::dot(s, start);
     pool.t[to] = glm::dot(t, start);
