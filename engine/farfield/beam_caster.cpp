@@ -1,18 +1,22 @@
 #include "engine/farfield/beam_caster.h"
 
+#include <algorithm>
+#include <bit>
 #include <glm/matrix.hpp>
+#include <limits>
 
 #include "engine/core/check.h"
 #include "engine/core/jobs.h"
 #include "engine/farfield/cast_cost_sum.h"
 #include "engine/farfield/float_ray.h"
+#include "engine/farfield/tile_regroup.h"
 
 namespace ff::farfield {
 namespace beam {
 
 BeamView::BeamView(const PinholeView& pinhole)
     : view(pinhole),
-      camera_from_world(glm::transpose(DMat3(pinhole.world_from_camera))),
+      camera_from_world(glm::inverse(DMat3(pinhole.world_from_camera))),
       pixel_angle(pinhole.pixel_angle()) {}
 
 AlphaRays BeamView::alpha_rays(int x, int y) const {
@@ -32,6 +36,17 @@ DMat3 BeamView::tile_from_world(int x, int y) const {
     const double offset_y = -double(view.v_first) * scale_y - 0.5 * kBeamSize - y;
     const DMat3 tile_from_camera(DVec3(scale_x, 0, 0), DVec3(0, scale_y, 0), DVec3(-offset_x, -offset_y, -1));
     return tile_from_camera * camera_from_world;
+}
+
+float least_depth(const PinholeView& view, const BeamRequest& request, const VisibilityBuffer& out) {
+    float least = std::numeric_limits<float>::infinity();
+    for (const TileRequest* tile : request.quarters) {
+        if (tile == nullptr) continue;
+        for (int j = 0; j < kTileSize; ++j)
+            for (std::uint32_t left = row_inside(*tile, j, view.width, view.height); left != 0; left &= left - 1)
+                least = std::min(least, out.depth[out.index(tile->x + std::countr_zero(left), tile->y + j)]);
+    }
+    return least;
 }
 
 BeamRequest beam_request_of(const TileRequest& tile) {
@@ -68,17 +83,11 @@ class BeamCaster final : public RayCaster {
     explicit BeamCaster(const scene::StaticScene& scene) : scene_(scene) {}
 
     CastCost cast_tiles(const PinholeView& view, std::span<const TileRequest> tiles, VisibilityBuffer& out) override {
-        FF_CHECK(out.width >= view.width && out.height >= view.height, "view {} x {}, buffer {} x {}", view.width,
-                 view.height, out.width, out.height);
-        const beam::BeamView beam_view(view);
-        CastCostSum shared;
-        const std::span<const beam::BeamRequest> requests = requests_.gather(view, tiles);
-        parallel_ranges(requests.size(), 4, [&](std::size_t begin, std::size_t end) {
-            CastCost cost;
-            for (std::size_t i = begin; i < end; ++i) beam::cast_tile(scene_, beam_view, requests[i], out, cost);
-            shared.add(cost);
-        });
-        return shared.total();
+        return cast(view, tiles, false, out);
+    }
+    CastCost cast_tiles_beyond(const PinholeView& view, std::span<const TileRequest> tiles,
+                               VisibilityBuffer& out) override {
+        return cast(view, tiles, true, out);
     }
 
     CastCost cast_rays(std::span<const Ray> rays, std::span<RayHit> hits) override {
@@ -101,6 +110,24 @@ class BeamCaster final : public RayCaster {
     [[nodiscard]] double build_seconds() const override { return 0.0; }
 
   private:
+    CastCost cast(const PinholeView& view, std::span<const TileRequest> tiles, bool beyond, VisibilityBuffer& out) {
+        FF_CHECK(out.width >= view.width && out.height >= view.height, "view {} x {}, buffer {} x {}", view.width,
+                 view.height, out.width, out.height);
+        const beam::BeamView beam_view(view);
+        CastCostSum shared;
+        const std::span<const beam::BeamRequest> requests = requests_.gather(view, tiles);
+        parallel_ranges(requests.size(), 4, [&](std::size_t begin, std::size_t end) {
+            CastCost cost;
+            for (std::size_t i = begin; i < end; ++i) {
+                beam::BeamRequest request = requests[i];
+                if (beyond) request.begin = beam::least_depth(view, request, out);
+                beam::cast_tile(scene_, beam_view, request, out, cost);
+            }
+            shared.add(cost);
+        });
+        return shared.total();
+    }
+
     scene::StaticScene scene_;
     beam::BeamRequests requests_;
 };

@@ -45,7 +45,11 @@ struct BeamView {
 struct BeamRequest {
     std::uint16_t x = 0, y = 0;
     std::array<const TileRequest*, 4> quarters{};
+    float begin = 0.0f;  ///< metres along the view axis; nearer things need not be found
 };
+
+/// Least of the depths that `out` holds at the pixels asked for.
+[[nodiscard]] float least_depth(const PinholeView& view, const BeamRequest& request, const VisibilityBuffer& out);
 
 /// A request by itself.
 [[nodiscard]] BeamRequest beam_request_of(const TileRequest& tile);

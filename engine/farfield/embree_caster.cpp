@@ -49,7 +49,13 @@ class EmbreeCaster final : public RayCaster {
     EmbreeCaster(const StaticScene& scene, const EmbreeOptions& options);
     ~EmbreeCaster() override;
 
-    CastCost cast_tiles(const PinholeView& view, std::span<const TileRequest> tiles, VisibilityBuffer& out) override;
+    CastCost cast_tiles(const PinholeView& view, std::span<const TileRequest> tiles, VisibilityBuffer& out) override {
+        return cast(view, tiles, false, out);
+    }
+    CastCost cast_tiles_beyond(const PinholeView& view, std::span<const TileRequest> tiles,
+                               VisibilityBuffer& out) override {
+        return cast(view, tiles, true, out);
+    }
     CastCost cast_rays(std::span<const Ray> rays, std::span<RayHit> hits) override;
     [[nodiscard]] std::uint64_t memory_bytes() const override {
         return std::uint64_t(device_bytes_.load(std::memory_order_relaxed)) + own_bytes_;
@@ -57,6 +63,7 @@ class EmbreeCaster final : public RayCaster {
     [[nodiscard]] double build_seconds() const override { return build_seconds_; }
 
   private:
+    CastCost cast(const PinholeView& view, std::span<const TileRequest> tiles, bool beyond, VisibilityBuffer& out);
     void attach_direct(const StaticScene& scene, std::uint32_t instance_id);
     void attach_instances(const StaticScene& scene, std::uint32_t mesh_id, std::span<const std::uint32_t> instances);
     void set_alpha_filter(RTCGeometry geometry, std::uint32_t mesh_id);
@@ -194,14 +201,15 @@ bool is_finite(const PinholeView& view) {
     return std::isfinite(sum + double(view.u_step + view.u_first + view.v_step + view.v_first));
 }
 
-CastCost EmbreeCaster::cast_tiles(const PinholeView& view, std::span<const TileRequest> tiles, VisibilityBuffer& out) {
+CastCost EmbreeCaster::cast(const PinholeView& view, std::span<const TileRequest> tiles, bool beyond,
+                            VisibilityBuffer& out) {
     FF_CHECK(out.width >= view.width && out.height >= view.height, "a buffer of {}x{} for a view of {}x{}", out.width,
              out.height, view.width, view.height);
     if (!is_finite(view)) {
         for (const TileRequest& tile : tiles) write_sky(view, tile, out);
         return {.rays = count_pixels(tiles, view.width, view.height)};
     }
-    const embree::PacketJob job{top_, &view, Vec3(view.position - origin_), &out, packet_width_};
+    const embree::PacketJob job{top_, &view, Vec3(view.position - origin_), &out, packet_width_, beyond};
     std::atomic<std::uint64_t> rays{0};
     parallel_ranges(tiles.size(), kTilesPerTask, [&](std::size_t begin, std::size_t end) {
         rays.fetch_add(embree::cast_packets(job, tiles.subspan(begin, end - begin)), std::memory_order_relaxed);

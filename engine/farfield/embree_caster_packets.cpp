@@ -105,6 +105,12 @@ class PacketCaster {
             const auto up = hn::Mul(hn::Set(df_, m[1][axis]), v);
             hn::Store(hn::Sub(hn::Add(across, up), hn::Set(df_, m[2][axis])), df_, out[axis]);
         }
+        if (job_.beyond) {
+            for (std::size_t i = lane; i < lane + hn::Lanes(du_); ++i)
+                packet_.ray.tnear[i] =
+                    job_.out
+                        ->depth[job_.out->index(int(hn::ExtractLane(x, i - lane)), int(hn::ExtractLane(y, i - lane)))];
+        }
         const auto none = hn::Set(du_, RTC_INVALID_GEOMETRY_ID);
         hn::Store(hn::Set(df_, std::numeric_limits<float>::infinity()), df_, packet_.ray.tfar + lane);
         hn::Store(none, du_, packet_.hit.geomID + lane);

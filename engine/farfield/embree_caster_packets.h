@@ -17,6 +17,7 @@ struct PacketJob {
     Vec3 origin{0.0f};  ///< of the rays, relative to the Embree scene's origin
     VisibilityBuffer* out = nullptr;
     int packet_width = 16;  ///< 8 or 16
+    bool beyond = false;    ///< rays begin at the depths that `out` holds
 };
 
 /// Answers the pixels of some tiles.

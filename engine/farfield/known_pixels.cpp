@@ -10,6 +10,7 @@
 #include "engine/core/jobs.h"
 #include "engine/farfield/cast_cost_sum.h"
 #include "engine/farfield/known_pixels.h"
+#include "engine/farfield/lane_bits-inl.h"
 #include "engine/farfield/tile_regroup.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -23,12 +24,7 @@ TileRequest Collect(const PinholeView& view, const TileRequest& tile, const Visi
     using U = hn::CappedTag<std::uint32_t, 16>;
     constexpr U ui;
     constexpr int kLanes = int(hn::MaxLanes(ui));
-    constexpr std::uint32_t kAll = (1u << kLanes) - 1u;
-    const auto bits_of = [&](hn::Mask<U> mask) {
-        std::uint8_t bytes[8] = {};
-        hn::StoreMaskBits(ui, mask, bytes);
-        return std::uint32_t(bytes[0] | bytes[1] << 8) & kAll;
-    };
+    const auto bits_of = [](hn::Mask<U> mask) { return farfield::HWY_NAMESPACE::lane_bits(ui, mask); };
     TileRequest hits{tile.x, tile.y, {}};
     std::uint32_t above = 0;
     for (int j = 0; j < kTileSize; ++j) {

@@ -11,22 +11,6 @@
 namespace ff::farfield {
 namespace {
 
-/// Whether the segment from `from` to `from + along` meets the box, its surface included.
-bool meets(const DBox3& box, const DVec3& from, const DVec3& along) {
-    double enter = 0.0, leave = 1.0;
-    for (int axis = 0; axis < 3; ++axis) {
-        const double low = box.low[axis] - from[axis], high = box.high[axis] - from[axis];
-        if (along[axis] == 0.0) {
-            if (low > 0.0 || high < 0.0) return false;
-            continue;
-        }
-        const double a = low / along[axis], b = high / along[axis];
-        enter = std::max(enter, std::min(a, b));
-        leave = std::min(leave, std::max(a, b));
-    }
-    return enter <= leave;
-}
-
 /// World direction of a texel, 1 along its face's axis.
 DVec3 texel_direction(const PinholeView& face, int x, int row) {
     return DVec3(face.direction(x, row));
@@ -124,7 +108,7 @@ std::uint64_t Panorama::invalidate(const DBox3& box) {
                     std::uint16_t& record = s.map.records[at];
                     if (record == kNeverTraced) continue;
                     const double depth = std::min(double(s.map.visibility.depth[at]), 1e9);
-                    if (!meets(box, s.records[record].position, depth * texel_direction(face, x0 + i, y0 + j)))
+                    if (!meets_segment(box, s.records[record].position, depth * texel_direction(face, x0 + i, y0 + j)))
                         continue;
                     record = kNeverTraced;
                     s.needs[tile] = 1;

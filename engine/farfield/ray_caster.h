@@ -41,6 +41,14 @@ class RayCaster {
     /// Pixels of a request beyond view.width or view.height are ignored.
     virtual CastCost cast_tiles(const PinholeView& view, std::span<const TileRequest> tiles, VisibilityBuffer& out) = 0;
 
+    /// The same where nothing is known to stand before pixels: `out` holds at each pixel asked for a depth, in metres
+    /// along the view axis, nearer than which there is nothing (0: nothing is known), and the caster need not look
+    /// there. What it finds in spite of that is as good an answer.
+    virtual CastCost cast_tiles_beyond(const PinholeView& view, std::span<const TileRequest> tiles,
+                                       VisibilityBuffer& out) {
+        return cast_tiles(view, tiles, out);
+    }
+
     /// Answers single rays, [N] in, [N] out in the same order; a ray with a NaN is sky.
     virtual CastCost cast_rays(std::span<const Ray> rays, std::span<RayHit> hits) = 0;
 

@@ -7,13 +7,12 @@
 
 #include "engine/core/check.h"
 #include "engine/core/jobs.h"
+#include "engine/farfield/reproject_changes.h"
 #include "engine/farfield/reproject_points.h"
-#include "engine/farfield/reproject_splat.h"
 
 namespace ff::farfield {
 namespace {
 
-constexpr std::size_t kRowsPerTask = 16;
 constexpr std::size_t kColumnsPerTask = 64;
 
 /// P3 4.1: whether what the eye sees may have been outside of the last image though it stands before nothing new. The
@@ -30,24 +29,14 @@ bool is_inside_frustum(const WorldPos& eye, const PinholeView& view) {
 
 }  // namespace
 
-void AuxiliaryImage::resize(int new_width, int new_height) {
-    if (width == new_width && height == new_height) return;
-    width = new_width;
-    height = new_height;
-    stride = (width + kTileSize - 1) / kTileSize * kTileSize + 2 * kBorder;
-    rows = (height + kTileSize - 1) / kTileSize * kTileSize + 2;
-    const auto count = std::size_t(stride) * std::size_t(rows);
-    instance.assign(count, kEmpty);
-    triangle.assign(count, 0);
-    depth.assign(count, 0.0f);
-}
-
 void ReprojectedPoints::resize(const VisibilityBuffer& like) {
     if (target.size() == like.instance.size() && first_target.size() == std::size_t(like.height)) return;
     target.assign(like.instance.size(), kOutside);
-    for (auto* values : {&depth, &down}) values->assign(like.instance.size(), 0.0f);
     first_target.assign(std::size_t(like.height), 0);
     last_target.assign(std::size_t(like.height), 0);
+    const auto most_bands = std::size_t(like.height / kBandRows + 3);  // the epipole's row divides one
+    bands.reserve(most_bands);
+    for (auto* ways : {&first_way, &last_way}) ways->assign(most_bands * std::size_t(like.stride), 0.0f);
 }
 
 PixelCause Reprojection::Causes::at(int x, int y) const {
@@ -57,6 +46,15 @@ PixelCause Reprojection::Causes::at(int x, int y) const {
     return abrupt.test(x, y) ? PixelCause::abrupt : PixelCause::failed;
 }
 
+void Reprojection::invalidate(const DBox3& box) {
+    constexpr std::size_t kMost = 16;  // the last one holds all that come later
+    if (box.is_empty()) return;
+    if (changed_.size() < kMost)
+        changed_.push_back(box);
+    else
+        changed_.back().add(box);
+}
+
 bool Reprojection::reproject(const PinholeView& last_view, const VisibilityBuffer& last, const PinholeView& view,
                              const ReprojectSettings& settings) {
     FF_CHECK(last_view.width == view.width && last_view.height == view.height && last.width == view.width &&
@@ -64,19 +62,18 @@ bool Reprojection::reproject(const PinholeView& last_view, const VisibilityBuffe
              "a view of {}x{} after one of {}x{} in a buffer of {}x{}", view.width, view.height, last_view.width,
              last_view.height, last.width, last.height);
     FF_CHECK(view.width <= 16384, "a view {} pixels wide", view.width);
-    if (settings.check_view_frustum && !is_inside_frustum(view.position, last_view)) return false;
-    points_.resize(last);
-    auxiliary_.resize(view.width, view.height);
+    if (settings.check_view_frustum && !is_inside_frustum(view.position, last_view)) {
+        changed_.clear();  // all is cast
+        return false;
+    }
     using namespace reprojection;
-    const PointsJob job(last_view, last, view, settings, std::uint32_t(scene_.instances.size()), auxiliary_);
-    parallel_ranges(std::size_t(last.height), kRowsPerTask,
-                    [&](std::size_t begin, std::size_t end) { project_rows(job, int(begin), int(end), points_); });
+    const PointsJob job(last_view, last, view, settings, std::uint32_t(scene_.instances.size()));
+    begin_points(job, points_);
+    parallel_for(points_.bands.size(), [&](std::size_t band) { project_band(job, band, points_); });
     if (job.check_order)
         parallel_ranges(std::size_t(last.stride), kColumnsPerTask,
                         [&](std::size_t begin, std::size_t end) { check_columns(job, int(begin), int(end), points_); });
-    parallel_ranges(std::size_t(auxiliary_.rows), kRowsPerTask, [&](std::size_t begin, std::size_t end) {
-        fill_rows(last, points_, int(begin), int(end), auxiliary_);
-    });
+    drop_points(changed_, last_view, last, points_);
     return true;
 }
 

@@ -5,10 +5,12 @@
 // Based on: Havran, Bittner, Seidel, "Exploiting Temporal Coherence in Ray Casted Walkthroughs", SCCG 2003 (P3).
 //
 //   POS  the last frame's VisibilityBuffer: a pixel's ray and depth are its point, instance and triangle its object
-//   AIP  AuxiliaryImage: the nearest point that landed in each pixel of this frame
+//   AIP  AuxiliaryBand: the nearest point that landed in each pixel of this frame, for a row of tiles at a time, which
+//        a core's own cache holds
 //
-//   reproject()  POS to AIP; points that the checks of P3 4 distrust are left out     reproject_points.cpp, _splat.cpp
-//   verify()     AIP to hits; what fails, and what is due to be sampled anew, is left  reproject_verify.cpp
+//   reproject()  where POS lands; points that the checks of P3 4 distrust are left out      reproject_points.cpp
+//   verify()     a row of tiles after the other, POS to AIP                                 reproject_splat.cpp
+//                and AIP to hits; what fails, and what is due to be sampled anew, is left   reproject_verify.cpp
 //
 // It is an approximation: one intersection proves that a primitive is hit, not that nothing nearer is. Things thinner
 // than a pixel may be missed for up to `resample_period` frames, as may things that come from behind others where no
@@ -20,12 +22,14 @@
 // old orientation, so that it holds for any rotation; counts are gathered, not splatted.
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
 #include "engine/core/zero_pages.h"
 #include "engine/farfield/pixel_mask.h"
 #include "engine/farfield/ray_caster.h"
+#include "engine/math/bounds.h"
 
 namespace ff::farfield {
 
@@ -45,10 +49,14 @@ struct ReprojectSettings {
     bool check_view_frustum = true;
     bool check_occlusion = true;  ///< P3 4.2: points that others overtook are left out
     int resample_period = 9;      ///< P3 4.3, N: each pixel is cast at least once in so many frames; 0: never. [0, 64]
-    int resample_block_px = 16;   ///< pixels are due in blocks of this side; 1: singly, as in P3. 1, 2, 4, 8 or 16
-    bool check_abrupt = true;     ///< P3 4.3.1: points that come too fast are left out
-    int abrupt_frames = 4;        ///< its N: a step must not exceed depth / 2 / N. [1, 64]
-    bool use_background = true;   ///< P3 5.2: sky is reprojected like everything else
+    /// Pixels are due in blocks of this side, a power of two in [1, 32]; 1: singly, as in P3. 32: what a beam serves.
+    int resample_block_px = 32;
+    bool check_abrupt = true;    ///< P3 4.3.1: points that come too fast are left out
+    int abrupt_frames = 4;       ///< its N: a step must not exceed depth / 2 / N. [1, 64]
+    bool use_background = true;  ///< P3 5.2: sky is reprojected like everything else
+    /// P3 5.3: where points landed all around a pixel that fails, its ray begins before the nearest of them. Off: as in
+    /// P3's own tables it gains nothing, and what was not there a frame before may be passed over.
+    bool shift_origin = false;
 
     friend bool operator==(const ReprojectSettings&, const ReprojectSettings&) = default;
 };
@@ -60,36 +68,47 @@ enum class PixelCause : std::uint8_t { verified, background, failed, resampled, 
 struct ReprojectCounts {
     std::uint64_t verified = 0;    ///< seen by one intersection
     std::uint64_t background = 0;  ///< sky that was sky
-    std::uint64_t failed = 0;      ///< to be cast: nothing landed here, or it was not hit
+    std::uint64_t failed = 0;      ///< to be cast: nothing landed here, it was not hit, or something has changed
     std::uint64_t resampled = 0;   ///< to be cast because it is due
     std::uint64_t abrupt = 0;      ///< to be cast because what landed here came too fast
     std::uint64_t primitives = 0;  ///< intersected, each once per tile
 };
 
-/// The auxiliary image plane: what landed where. With a border of empty pixels, so that neighbours need no test.
-struct AuxiliaryImage {
-    static constexpr int kBorder = 16;                     ///< columns; rows have a border of 1
-    static constexpr std::uint32_t kEmpty = kUnresolved;   ///< nothing landed here
-    static constexpr std::uint32_t kAbrupt = 0xFFFFFFFDu;  ///< only points that came too fast
-    int width = 0, height = 0, stride = 0, rows = 0;
-    ZeroPageVector<std::uint32_t> instance;  ///< or kSkyInstance, kEmpty, kAbrupt
-    ZeroPageVector<std::uint32_t> triangle;
-    ZeroPageVector<float> depth;  ///< from the new eye, along its view axis
+/// How the auxiliary image plane (AIP) is laid out: pixels row by row, with a border of empty ones, so that neighbours
+/// need no test.
+struct AuxiliaryLayout {
+    static constexpr int kBorder = 16;  ///< columns; rows have a border of 1
+    int stride = 0, rows = 0;           ///< in whole tiles, the border included
 
-    void resize(int new_width, int new_height);
-    [[nodiscard]] std::size_t index(int x, int y) const {
-        return std::size_t(y + 1) * std::size_t(stride) + std::size_t(x + kBorder);
-    }
+    AuxiliaryLayout() = default;
+    AuxiliaryLayout(int width, int height)
+        : stride((width + kTileSize - 1) / kTileSize * kTileSize + 2 * kBorder),
+          rows((height + kTileSize - 1) / kTileSize * kTileSize + 2) {}
+    [[nodiscard]] std::int32_t index(int x, int y) const { return (y + 1) * stride + x + kBorder; }
 };
 
-/// Where the points of the last frame land, laid out as the VisibilityBuffer.
+/// Where the points of the last frame land.
 struct ReprojectedPoints {
-    static constexpr std::int32_t kOutside = -1;          ///< left out
-    static constexpr std::int32_t kAbruptBit = 1 << 30;   ///< comes too fast
-    ZeroPageVector<std::int32_t> target;                  ///< index into the AuxiliaryImage, or kOutside
-    ZeroPageVector<float> depth;                          ///< from the new eye, along its view axis; +inf for sky
-    ZeroPageVector<float> down;                           ///< tangent from the new eye in the old orientation
+    static constexpr std::int32_t kOutside = -1;         ///< left out
+    static constexpr std::int32_t kAbruptBit = 1 << 30;  ///< comes too fast
+
+    static constexpr int kBandRows = 16;
+    /// Old rows [begin, end) that are walked together, all to one side of the epipole.
+    struct Band {
+        int begin = 0, end = 0;
+        bool is_first = false;  ///< of its side
+        bool downwards = true;
+    };
+
+    AuxiliaryLayout layout;
+    ZeroPageVector<std::int32_t> target;                  ///< as the VisibilityBuffer: AuxiliaryLayout::index, kOutside
     std::vector<std::int32_t> first_target, last_target;  ///< per old row: least and greatest; first > last: none
+    std::vector<Band> bands;                              ///< in the order of their walk
+    /// Per band and column, the way along the walk that its first and its last point have come.
+    ZeroPageVector<float> first_way, last_way;
+    /// From the new eye, along its view axis, an old pixel's point of old depth d lies at
+    /// (x * depth_per_x + y * depth_per_y + depth_constant) * d - depth_step.
+    float depth_per_x = 0, depth_per_y = 0, depth_constant = 0, depth_step = 0;
 
     void resize(const VisibilityBuffer& like);
 };
@@ -102,9 +121,15 @@ struct ReprojectedPoints {
 /// Reprojects frame after frame of one scene. Scratch is sized at the first frame of a size.
 class Reprojection {
   public:
-    explicit Reprojection(const scene::StaticScene& scene) : scene_(scene) {}
+    explicit Reprojection(const scene::StaticScene& scene);
+    ~Reprojection();
 
-    /// Lets the last frame's points land in this frame's pixels.
+    /// What lies in the box has changed since the last frame: call it with the old and the new box of whatever changed.
+    /// The next verify() leaves exactly those pixels to be cast, of the ones that it would answer otherwise, whose rays
+    /// meet the box before or where they end; points in the box are not looked at.
+    void invalidate(const DBox3& box);
+
+    /// Finds where the last frame's points land in this frame.
     /// @param last_view  whose frame `last` holds; same size as `view`
     /// @param last       instances that are not the scene's own (moving ones) give no points
     /// @return false where nothing may be reprojected: the eye left the last view frustum
@@ -112,10 +137,11 @@ class Reprojection {
                    const ReprojectSettings& settings);
 
     /// Intersects each pixel with what landed around it, after reproject() returned true.
-    /// @param out   may be the buffer that was `last`. Pixels that are verified or background are written
-    /// @param left  tiles of all other pixels
+    /// @param frame  in: what was `last`; out: verified and background pixels of this frame, nothing of meaning
+    ///               elsewhere. The two lie in different memory, which changes hands
+    /// @param left   tiles of all other pixels, for cast_left_over() with the settings' shift_origin
     ReprojectCounts verify(const PinholeView& view, const ReprojectSettings& settings, std::uint64_t frame_number,
-                           VisibilityBuffer& out, std::vector<TileRequest>& left);
+                           VisibilityBuffer& frame, std::vector<TileRequest>& left);
 
     /// Of the last verify(): pixels by cause.
     struct Causes {
@@ -123,13 +149,16 @@ class Reprojection {
         [[nodiscard]] PixelCause at(int x, int y) const;
     };
     [[nodiscard]] const Causes& causes() const { return causes_; }
-    [[nodiscard]] const AuxiliaryImage& auxiliary() const { return auxiliary_; }
 
   private:
+    struct Scratch;
+
     scene::StaticScene scene_;
     ReprojectedPoints points_;
-    AuxiliaryImage auxiliary_;
+    VisibilityBuffer last_;
     Causes causes_;
+    std::vector<DBox3> changed_;
+    std::unique_ptr<Scratch> scratch_;
 };
 
 }  // namespace ff::farfield

@@ -1,6 +1,7 @@
 // Regular resampling (P3 4.3): a rank-1 lattice. For a period of 9 it takes one block of every 3 x 3, as P3 Figure 5
 // does, and no two of a frame are nearer than 3 blocks.
 
+#include <algorithm>
 #include <cmath>
 #include <numeric>
 
@@ -17,6 +18,12 @@ TileMask resample_mask(const ReprojectSettings& settings, int tile_x, int tile_y
     int stride = std::max(1, 2 * period / 5);
     while (std::gcd(stride, period) != 1) ++stride;
     const int due = int(frame_number % std::uint64_t(period)) * stride % period;
+    if (block >= kTileSize) {
+        const int tiles = block / kTileSize;
+        const bool is_due = (tile_x / tiles + tile_y / tiles * row_shift) % period == due;
+        std::fill(std::begin(mask.rows), std::end(mask.rows), std::uint16_t(is_due ? 0xFFFF : 0));
+        return mask;
+    }
     const int blocks = kTileSize / block;
     const std::uint32_t ones = (1u << block) - 1u;
     for (int by = 0; by < blocks; ++by) {

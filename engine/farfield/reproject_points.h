@@ -16,12 +16,12 @@ struct AxisOrder {
 /// What all points of a frame share. Spaces: old camera axes (x right, y up, z backwards), eyes relative to each other.
 struct PointsJob {
     PointsJob(const PinholeView& last_view, const VisibilityBuffer& last, const PinholeView& view,
-              const ReprojectSettings& settings, std::uint32_t static_instances, const AuxiliaryImage& auxiliary);
+              const ReprojectSettings& settings, std::uint32_t static_instances);
 
     const VisibilityBuffer& last;
     std::uint32_t static_instances;
-    int width, height;                       ///< of both images
-    int auxiliary_stride, auxiliary_first;   ///< index of its pixel (0, 0)
+    int width, height;  ///< of both images
+    AuxiliaryLayout auxiliary;
     float u_step, u_first, v_step, v_first;  ///< tangents of an old pixel (x, y): x * u_step + u_first, for its centre
     Vec3 step;                               ///< from the old eye to the new one: right, up, forward
     Mat3 pixel_from_old;  ///< homogeneous pixel coordinates in the new image; W is depth over old depth
@@ -30,11 +30,15 @@ struct PointsJob {
     AxisOrder columns, rows;
 };
 
-/// Fills target, depth and down of some old rows, and bounds of their targets; takes out the points that the order
-/// along each row distrusts.
-void project_rows(const PointsJob& job, int first_row, int last_row, ReprojectedPoints& points);
+/// Sizes `points`, says in which bands the old rows are walked, and how depths follow.
+void begin_points(const PointsJob& job, ReprojectedPoints& points);
 
-/// Takes out the points of some old columns that the order along each column distrusts. Multiples of 16.
+/// Fills targets and their bounds for a band of old rows; takes out the points that the order along each row distrusts,
+/// or that along each column within the band.
+void project_band(const PointsJob& job, std::size_t band, ReprojectedPoints& points);
+
+/// Takes out the points of some old columns that the order along each column distrusts beyond their band. Multiples of
+/// 16; after all bands are projected.
 void check_columns(const PointsJob& job, int first_column, int last_column, ReprojectedPoints& points);
 
 }  // namespace ff::farfield::reprojection

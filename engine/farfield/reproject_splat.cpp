@@ -1,5 +1,5 @@
-// Whoever fills some rows of the new image goes through all old rows that reach them, in the old image's order: no two
-// workers write to one pixel, and the number of workers changes nothing.
+// Whoever fills a band goes through all old rows that reach it, in the old image's order: no two workers write to one
+// pixel, and the number of workers changes nothing.
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "engine/farfield/reproject_splat.cpp"
@@ -8,8 +8,8 @@
 
 #include <algorithm>
 #include <bit>
-#include <limits>
 
+#include "engine/farfield/lane_bits-inl.h"
 #include "engine/farfield/reproject_splat.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -17,6 +17,7 @@ namespace ff::farfield::reprojection {
 namespace HWY_NAMESPACE {
 namespace {
 namespace hn = hwy::HWY_NAMESPACE;
+using farfield::HWY_NAMESPACE::lane_bits;
 
 using I = hn::CappedTag<std::int32_t, 16>;
 using F = hn::RebindToFloat<I>;
@@ -26,73 +27,104 @@ constexpr F f;
 constexpr U ui;
 constexpr int kLanes = int(hn::MaxLanes(si));
 
-HWY_INLINE std::uint32_t bits_of(hn::Mask<I> mask) {
-    std::uint8_t bytes[8] = {};
-    hn::StoreMaskBits(si, mask, bytes);
-    return kLanes > 8 ? std::uint32_t(bytes[0] | bytes[1] << 8) : std::uint32_t(bytes[0]);
+// A register of old points.
+struct Points {
+    hn::Vec<U> instance, triangle;
+    hn::Vec<F> depth;
+};
+
+// Plain pointers into a band: what registers are stored to might be anything, for all that a compiler knows.
+struct Pixels {
+    std::uint32_t *instance, *triangle;
+    float* depth;
+};
+
+// Whatever comes to an empty pixel stays, as do instances before sky, and sky after sky does no harm.
+HWY_INLINE hn::Mask<I> is_free(hn::Vec<U> instance) {
+    static_assert(AuxiliaryBand::kAbrupt >= 1u << 31, "and names of instances are less");
+    return hn::Lt(hn::BitCast(si, instance), hn::Zero(si));
 }
 
-HWY_INLINE void land(const VisibilityBuffer& last, std::size_t source, std::int32_t target, float depth,
-                     AuxiliaryImage& auxiliary) {
-    if ((target & ReprojectedPoints::kAbruptBit) != 0) {
-        const auto at = std::size_t(target ^ ReprojectedPoints::kAbruptBit);
-        if (auxiliary.instance[at] == AuxiliaryImage::kEmpty) auxiliary.instance[at] = AuxiliaryImage::kAbrupt;
+// Those of `lanes` land side by side: lane i in the pixel `at` + i.
+HWY_INLINE void land(const Points& points, hn::Mask<I> lanes, const Pixels& to, std::ptrdiff_t at) {
+    const auto old_instance = hn::LoadU(ui, to.instance + at), old_triangle = hn::LoadU(ui, to.triangle + at);
+    const auto old_depth = hn::LoadU(f, to.depth + at);
+    const auto nearer = hn::RebindMask(si, hn::Lt(points.depth, old_depth));
+    const auto wins = hn::And(lanes, hn::Or(is_free(old_instance), nearer));
+    const auto wins_u = hn::RebindMask(ui, wins);
+    hn::StoreU(hn::IfThenElse(wins_u, points.instance, old_instance), ui, to.instance + at);
+    hn::StoreU(hn::IfThenElse(wins_u, points.triangle, old_triangle), ui, to.triangle + at);
+    hn::StoreU(hn::IfThenElse(hn::RebindMask(f, wins), points.depth, old_depth), f, to.depth + at);
+}
+
+// A whole register lands side by side, as points of a surface mostly do.
+HWY_INLINE void land_all(const Points& points, const Pixels& to, std::ptrdiff_t at) {
+    const auto all_free = is_free(hn::LoadU(ui, to.instance + at));
+    if (HWY_UNLIKELY(!hn::AllTrue(si, all_free))) {
+        land(points, hn::MaskFromVec(hn::Set(si, -1)), to, at);
         return;
     }
-    const auto at = std::size_t(target);
-    const std::uint32_t old = auxiliary.instance[at];
-    const bool is_first = old == AuxiliaryImage::kEmpty || old == AuxiliaryImage::kAbrupt;
-    if (!is_first && !(depth < auxiliary.depth[at])) return;
-    auxiliary.depth[at] = depth;
-    auxiliary.instance[at] = last.instance[source];
-    auxiliary.triangle[at] = last.triangle[source];
-}
-
-// A register of points that land side by side, as those of a surface mostly do.
-HWY_INLINE void land_side_by_side(const VisibilityBuffer& last, std::size_t source, std::int32_t target,
-                                  hn::Vec<F> depth, AuxiliaryImage& auxiliary) {
-    const auto at = std::size_t(target);
-    const auto old_instance = hn::LoadU(ui, auxiliary.instance.data() + at);
-    const auto old_depth = hn::LoadU(f, auxiliary.depth.data() + at);
-    // Only sky, empty and abrupt pixels have such names; sky lies at infinity, which is not nearer than anything.
-    const auto is_first = hn::Or(hn::Eq(old_instance, hn::Set(ui, AuxiliaryImage::kEmpty)),
-                                 hn::Eq(old_instance, hn::Set(ui, AuxiliaryImage::kAbrupt)));
-    const auto wins = hn::Or(hn::RebindMask(f, is_first), hn::Lt(depth, old_depth));
-    const auto wins_u = hn::RebindMask(ui, wins);
-    const auto instance = hn::LoadU(ui, last.instance.data() + source);
-    const auto triangle = hn::LoadU(ui, last.triangle.data() + source);
-    const auto old_triangle = hn::LoadU(ui, auxiliary.triangle.data() + at);
-    hn::StoreU(hn::IfThenElse(wins, depth, old_depth), f, auxiliary.depth.data() + at);
-    hn::StoreU(hn::IfThenElse(wins_u, instance, old_instance), ui, auxiliary.instance.data() + at);
-    hn::StoreU(hn::IfThenElse(wins_u, triangle, old_triangle), ui, auxiliary.triangle.data() + at);
+    hn::StoreU(points.instance, ui, to.instance + at);
+    hn::StoreU(points.triangle, ui, to.triangle + at);
+    hn::StoreU(points.depth, f, to.depth + at);
 }
 
 }  // namespace
 
-void FillRows(const VisibilityBuffer& last, const ReprojectedPoints& points, int first_row, int last_row,
-              AuxiliaryImage& auxiliary) {
-    const std::int32_t begin = first_row * auxiliary.stride, end = last_row * auxiliary.stride;
-    std::fill(auxiliary.instance.begin() + begin, auxiliary.instance.begin() + end, AuxiliaryImage::kEmpty);
+void FillBand(const VisibilityBuffer& last, const ReprojectedPoints& points, int tile_y, AuxiliaryBand& band) {
+    band.first_row = tile_y * kTileSize - 1;
+    const std::int32_t begin = (band.first_row + 1) * band.stride, size = AuxiliaryBand::kRows * band.stride;
+    std::fill(band.instance.begin(), band.instance.end(), AuxiliaryBand::kEmpty);
+    const Pixels pixels{band.instance.data(), band.triangle.data(), band.depth.data()};
+    const auto first_place = hn::Set(ui, std::uint32_t(begin)), last_place = hn::Set(ui, std::uint32_t(size - 1));
+    const auto abrupt_bit = hn::Set(ui, std::uint32_t(ReprojectedPoints::kAbruptBit));
+    const auto depth_per_x = hn::Set(f, points.depth_per_x), depth_step = hn::Set(f, points.depth_step);
+    const auto lane_numbers = hn::Iota(si, 0);
+    const int width = last.width;
+    const std::ptrdiff_t ahead = last.stride;  // asked for in time, if only by addresses
     for (int y = 0; y < last.height; ++y) {
-        if (points.last_target[std::size_t(y)] < begin || points.first_target[std::size_t(y)] >= end) continue;
+        if (points.last_target[std::size_t(y)] < begin || points.first_target[std::size_t(y)] >= begin + size) continue;
         const std::size_t first = last.index(0, y);
-        for (int x = 0; x < last.width; x += kLanes) {
-            const std::size_t source = first + std::size_t(x);
-            const auto target = hn::LoadU(si, points.target.data() + source);
-            const auto place = hn::AndNot(hn::Set(si, ReprojectedPoints::kAbruptBit), target);
-            const auto in_image = hn::Lt(hn::Iota(si, x), hn::Set(si, last.width));
-            const auto mine = hn::And(
-                in_image, hn::And(hn::Gt(target, hn::Set(si, ReprojectedPoints::kOutside)),
-                                  hn::And(hn::Gt(place, hn::Set(si, begin - 1)), hn::Lt(place, hn::Set(si, end)))));
-            const std::int32_t leader = points.target[source];
-            const auto row = hn::Add(hn::Set(si, leader), hn::Iota(si, 0));
-            if (hn::AllTrue(si, hn::And(mine, hn::Eq(target, row))) && (leader & ReprojectedPoints::kAbruptBit) == 0) {
-                land_side_by_side(last, source, leader, hn::LoadU(f, points.depth.data() + source), auxiliary);
-                continue;
-            }
-            for (std::uint32_t bits = bits_of(mine); bits != 0; bits &= bits - 1) {
-                const std::size_t at = source + std::size_t(std::countr_zero(bits));
-                land(last, at, points.target[at], points.depth[at], auxiliary);
+        const std::int32_t* const targets = points.target.data() + first;
+        const std::uint32_t *const instances = last.instance.data() + first, *const triangles =
+                                                                                 last.triangle.data() + first;
+        const float* const depths = last.depth.data() + first;
+        const auto depth_of_row = hn::Set(f, float(y) * points.depth_per_y + points.depth_constant);
+        for (int x = 0; x < width; x += kLanes) {
+            __builtin_prefetch(targets + x + ahead);
+            __builtin_prefetch(instances + x + ahead);
+            __builtin_prefetch(triangles + x + ahead);
+            __builtin_prefetch(depths + x + ahead);
+            const auto target = hn::LoadU(si, targets + x);
+            const auto place = hn::Sub(hn::AndNot(abrupt_bit, hn::BitCast(ui, target)), first_place);
+            const auto mine = hn::RebindMask(si, hn::Eq(hn::Min(place, last_place), place));  // kOutside is beyond all
+            std::uint32_t left = lane_bits(si, mine);
+            if (left == 0) continue;
+            const auto per_depth = hn::MulAdd(hn::Iota(f, float(x)), depth_per_x, depth_of_row);
+            const Points old{hn::LoadU(ui, instances + x), hn::LoadU(ui, triangles + x),
+                             hn::MulSub(per_depth, hn::LoadU(f, depths + x), depth_step)};
+            while (left != 0) {
+                const int lane = std::countr_zero(left);
+                const std::int32_t leader = targets[x + lane];
+                if ((leader & ReprojectedPoints::kAbruptBit) != 0) {
+                    std::uint32_t& to = pixels.instance[(leader ^ ReprojectedPoints::kAbruptBit) - begin];
+                    if (to == AuxiliaryBand::kEmpty) to = AuxiliaryBand::kAbrupt;
+                    left &= left - 1;
+                    continue;
+                }
+                // Lanes that follow without a gap.
+                const auto row = hn::Add(lane_numbers, hn::Set(si, leader - lane));
+                const std::uint32_t same = lane_bits(si, hn::And(mine, hn::Eq(target, row))) >> lane;
+                const int count = std::countr_one(same);
+                const std::ptrdiff_t at = leader - lane - begin;
+                if (count == kLanes) {
+                    land_all(old, pixels, at);
+                    break;
+                }
+                const auto lanes = hn::And(hn::Gt(lane_numbers, hn::Set(si, lane - 1)),
+                                           hn::Lt(lane_numbers, hn::Set(si, lane + count)));
+                land(old, lanes, pixels, at);
+                left &= ~(((1u << count) - 1u) << lane);
             }
         }
     }
@@ -104,11 +136,19 @@ HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
 namespace ff::farfield::reprojection {
-HWY_EXPORT(FillRows);
+HWY_EXPORT(FillBand);
 
-void fill_rows(const VisibilityBuffer& last, const ReprojectedPoints& points, int first_row, int last_row,
-               AuxiliaryImage& auxiliary) {
-    HWY_DYNAMIC_DISPATCH(FillRows)(last, points, first_row, last_row, auxiliary);
+void AuxiliaryBand::resize(const AuxiliaryLayout& layout) {
+    if (stride == layout.stride) return;
+    stride = layout.stride;
+    const std::size_t count = std::size_t(kRows) * std::size_t(stride);
+    instance.assign(count, kEmpty);
+    triangle.assign(count, 0);
+    depth.assign(count, 0.0f);
+}
+
+void fill_band(const VisibilityBuffer& last, const ReprojectedPoints& points, int tile_y, AuxiliaryBand& band) {
+    HWY_DYNAMIC_DISPATCH(FillBand)(last, points, tile_y, band);
 }
 
 }  // namespace ff::farfield::reprojection

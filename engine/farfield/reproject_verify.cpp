@@ -1,8 +1,13 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <cstring>
+#include <mutex>
+#include <type_traits>
 
+#include "engine/core/check.h"
 #include "engine/core/jobs.h"
+#include "engine/farfield/reproject_changes.h"
 #include "engine/farfield/reproject_votes.h"
 #include "engine/farfield/tile_regroup.h"
 
@@ -11,24 +16,60 @@ namespace {
 
 using reprojection::Landed;
 
-constexpr std::size_t kTilesPerTask = 8;
+using reprojection::AuxiliaryBand;
+
 constexpr std::size_t kTilesTogether = 4;  // whose primitives are fetched at once
 
 struct TileWork {
     Landed landed;
     TileMask inside, resampled;
-    TileMask all_filled;     ///< pixels around which nine points landed
+    TileMask all_solid;      ///< pixels around which nine points of instances landed
     TileRequest candidates;  ///< pixels to intersect
 };
 
-/// Scratch of a task; only what is used of it is ever touched.
-struct Task {
-    PrimitiveSet primitives;
-    std::array<PrimitiveId, kTilesTogether * PrimitiveSet::kCapacity> ids;
-    std::array<KnownTriangle, kTilesTogether * PrimitiveSet::kCapacity> triangles;
-    std::array<TileWork, kTilesTogether> tiles;
-    std::array<std::size_t, kTilesTogether + 1> first{};
+}  // namespace
+
+/// Of one worker at a time; only what is used of it is ever touched.
+struct Reprojection::Scratch {
+    struct Task {
+        AuxiliaryBand band;
+        PrimitiveSet primitives;
+        std::array<PrimitiveId, kTilesTogether * PrimitiveSet::kCapacity> ids;
+        std::array<KnownTriangle, kTilesTogether * PrimitiveSet::kCapacity> triangles;
+        std::array<TileWork, kTilesTogether> tiles;
+        std::array<std::size_t, kTilesTogether + 1> first{};
+    };
+
+    /// @param tasks  that may run at once
+    void reserve(int tasks, const AuxiliaryLayout& layout) {
+        while (all.size() < std::size_t(tasks)) all.push_back(std::make_unique<Task>());
+        free.clear();
+        for (const auto& task : all) {
+            task->band.resize(layout);
+            free.push_back(task.get());
+        }
+    }
+    Task* take() {
+        const std::lock_guard lock(mutex);
+        FF_CHECK(!free.empty(), "more tasks at once than the {} reserved", all.size());
+        Task* const task = free.back();
+        free.pop_back();
+        return task;
+    }
+    void give(Task* task) {
+        const std::lock_guard lock(mutex);
+        free.push_back(task);
+    }
+
+    std::mutex mutex;
+    std::vector<std::unique_ptr<Task>> all;
+    std::vector<Task*> free;
 };
+
+Reprojection::Reprojection(const scene::StaticScene& scene) : scene_(scene), scratch_(std::make_unique<Scratch>()) {}
+Reprojection::~Reprojection() = default;
+
+namespace {
 
 /// row = function(j) for all rows of a mask.
 template <class Function>
@@ -42,14 +83,8 @@ bool any_of(const std::uint32_t (&rows)[kTileSize + 2]) {
     return std::any_of(std::begin(rows), std::end(rows), [](std::uint32_t row) { return row != 0; });
 }
 
-/// Asks main memory for what a tile will read and write: rows of tiles are too short for processors to see them coming.
-void prefetch_tile(const AuxiliaryImage& auxiliary, int x, int y, VisibilityBuffer& out) {
-    for (int j = -1; j <= kTileSize; ++j) {
-        const std::size_t at = auxiliary.index(x, y + j);
-        __builtin_prefetch(&auxiliary.instance[at]);
-        __builtin_prefetch(&auxiliary.triangle[at]);
-        __builtin_prefetch(&auxiliary.depth[at]);
-    }
+/// Asks main memory for what a tile will write: rows of tiles are too short for processors to see them coming.
+void prefetch_tile(VisibilityBuffer& out, int x, int y) {
     for (int j = 0; j < kTileSize; ++j) {
         const std::size_t at = out.index(x, y + j);
         __builtin_prefetch(&out.instance[at], 1);
@@ -58,34 +93,51 @@ void prefetch_tile(const AuxiliaryImage& auxiliary, int x, int y, VisibilityBuff
     }
 }
 
-void begin_tile(const AuxiliaryImage& auxiliary, const PinholeView& view, const ReprojectSettings& settings,
+void begin_tile(const AuxiliaryBand& band, const PinholeView& view, const ReprojectSettings& settings,
                 std::uint64_t frame_number, int tile_x, int tile_y, TileWork& work, PrimitiveSet& primitives) {
     const int x = tile_x * kTileSize, y = tile_y * kTileSize;
-    read_tile(auxiliary, x, y, work.landed, primitives);
     TileRequest whole{std::uint16_t(x), std::uint16_t(y), {}};
     std::fill(std::begin(whole.rows), std::end(whole.rows), std::uint16_t(0xFFFF));
     work.inside = mask_of([&](int j) { return row_inside(whole, j, view.width, view.height); });
     work.resampled = resample_mask(settings, tile_x, tile_y, frame_number);
-    const TileMask dense = reprojection::count_around(work.landed.filled, settings.min_count);
-    work.all_filled = reprojection::count_around(work.landed.filled, 9);
     work.candidates = {std::uint16_t(x), std::uint16_t(y), {}};
+    work.landed = {};
+    if (mask_of([&](int j) { return work.inside.rows[j] & ~work.resampled.rows[j]; }).count() == 0) return;
+    read_tile(band, x, y, work.landed, primitives);
+    const TileMask dense = reprojection::count_around(work.landed.filled, settings.min_count);
+    std::uint32_t solid[kTileSize + 2];
+    for (int j = 0; j < kTileSize + 2; ++j) solid[j] = work.landed.filled[j] & ~work.landed.sky[j];
+    work.all_solid = reprojection::count_around(solid, 9);
     for (int j = 0; j < kTileSize; ++j)
         work.candidates.rows[j] = std::uint16_t(work.inside.rows[j] & dense.rows[j] & ~work.resampled.rows[j]);
 }
 
+/// A row of a tile, all sky.
+struct SkyRow {
+    std::uint32_t instance[kTileSize];
+    std::uint32_t triangle[kTileSize]{};
+    float depth[kTileSize];
+    constexpr SkyRow() : instance(), depth() {
+        for (std::uint32_t& value : instance) value = kSkyInstance;
+        for (float& value : depth) value = std::numeric_limits<float>::infinity();
+    }
+};
+constexpr SkyRow kSkyRow;
+
 void write_background(const TileRequest& tile, const TileMask& background, VisibilityBuffer& out) {
-    const auto write = [&](std::size_t at, std::size_t count) {
-        std::fill_n(out.instance.begin() + std::ptrdiff_t(at), count, kSkyInstance);
-        std::fill_n(out.triangle.begin() + std::ptrdiff_t(at), count, 0u);
-        std::fill_n(out.depth.begin() + std::ptrdiff_t(at), count, std::numeric_limits<float>::infinity());
+    const auto write = [&](std::size_t at, auto count) {
+        std::memcpy(&out.instance[at], kSkyRow.instance, sizeof(float) * count());
+        std::memcpy(&out.triangle[at], kSkyRow.triangle, sizeof(float) * count());
+        std::memcpy(&out.depth[at], kSkyRow.depth, sizeof(float) * count());
     };
     for (int j = 0; j < kTileSize; ++j) {
-        std::uint32_t left = background.rows[j];
-        while (left != 0) {  // run by run
-            const int first = std::countr_zero(left), count = std::countr_one(left >> first);
-            write(out.index(tile.x + first, tile.y + j), std::size_t(count));
-            left &= left + (1u << first);
+        const std::size_t first = out.index(tile.x, tile.y + j);
+        if (background.rows[j] == 0xFFFFu) {
+            write(first, std::integral_constant<std::size_t, kTileSize>());
+            continue;
         }
+        for (std::uint32_t left = background.rows[j]; left != 0; left &= left - 1)
+            write(first + std::size_t(std::countr_zero(left)), std::integral_constant<std::size_t, 1>());
     }
 }
 
@@ -106,18 +158,22 @@ struct CountsSum {
 }  // namespace
 
 ReprojectCounts Reprojection::verify(const PinholeView& view, const ReprojectSettings& settings,
-                                     std::uint64_t frame_number, VisibilityBuffer& out,
+                                     std::uint64_t frame_number, VisibilityBuffer& frame,
                                      std::vector<TileRequest>& left) {
+    // Bands still want old rows when others have written new ones.
+    std::swap(frame, last_);
+    if (frame.width != view.width || frame.height != view.height) frame.resize(view.width, view.height);
+    VisibilityBuffer& out = frame;
     for (PixelMask* mask :
          {&causes_.verified, &causes_.background, &causes_.failed, &causes_.resampled, &causes_.abrupt})
         mask->reset(view.width, view.height);
-    const int tiles_x = causes_.failed.tiles_x;
-    const std::size_t tile_count = causes_.failed.tiles.size();
+    const auto tiles_x = std::size_t(causes_.failed.tiles_x), tiles_y = std::size_t(causes_.failed.tiles_y);
+    scratch_->reserve(worker_count(), points_.layout);
     const beam::BeamView beam_view(view);
     CountsSum sum;
 
-    const auto end_tile = [&](std::size_t t, const TileWork& work, std::span<const KnownTriangle> triangles,
-                              ReprojectCounts& counts) {
+    const auto end_tile = [&](std::size_t t, const AuxiliaryBand& band, const TileWork& work,
+                              std::span<const KnownTriangle> triangles, ReprojectCounts& counts) {
         const TileRequest& asked = work.candidates;
         TileRequest missed = asked;
         TileMask verified, background, abrupt;
@@ -127,12 +183,20 @@ ReprojectCounts Reprojection::verify(const PinholeView& view, const ReprojectSet
             for (int j = 0; j < kTileSize; ++j) hits.rows[j] = std::uint16_t(asked.rows[j] & ~missed.rows[j]);
             verified = settings.vote == Vote::any
                            ? mask_of([&](int j) { return hits.rows[j]; })
-                           : reprojection::count_votes(auxiliary_, out, hits, work.all_filled, settings);
+                           : reprojection::count_votes(band, out, hits, work.all_solid, settings);
         }
         if (any_of(work.landed.sky)) {
             const TileMask sky = reprojection::count_around(work.landed.sky, std::max(1, settings.min_count));
             background = mask_of([&](int j) { return missed.rows[j] & sky.rows[j]; });
             write_background(asked, background, out);
+        }
+        TileMask changed;
+        if (!changed_.empty()) {
+            TileRequest answered = asked;
+            for (int j = 0; j < kTileSize; ++j) answered.rows[j] = std::uint16_t(verified.rows[j] | background.rows[j]);
+            changed = reprojection::pixels_behind(changed_, view, answered, out);
+            verified = mask_of([&](int j) { return verified.rows[j] & ~changed.rows[j]; });
+            background = mask_of([&](int j) { return background.rows[j] & ~changed.rows[j]; });
         }
         const auto left_over = [&](int j) { return work.inside.rows[j] & ~verified.rows[j] & ~background.rows[j]; };
         const TileMask resampled = mask_of([&](int j) { return left_over(j) & work.resampled.rows[j]; });
@@ -141,6 +205,15 @@ ReprojectCounts Reprojection::verify(const PinholeView& view, const ReprojectSet
             abrupt = mask_of([&](int j) { return left_over(j) & ~resampled.rows[j] & near_abrupt.rows[j]; });
         }
         const TileMask failed = mask_of([&](int j) { return left_over(j) & ~resampled.rows[j] & ~abrupt.rows[j]; });
+        if (settings.shift_origin) {
+            const TileMask filled = reprojection::count_around(work.landed.filled, 9);
+            TileRequest cast = asked;
+            for (int j = 0; j < kTileSize; ++j) cast.rows[j] = std::uint16_t(left_over(j));
+            // With a change pending nobody knows what is nearer.
+            const TileMask shifted = mask_of(
+                [&](int j) { return changed_.empty() ? cast.rows[j] & ~resampled.rows[j] & filled.rows[j] : 0; });
+            reprojection::write_origins(band, cast, shifted, settings.surface_share, out);
+        }
         causes_.verified.tiles[t] = verified;
         causes_.background.tiles[t] = background;
         causes_.resampled.tiles[t] = resampled;
@@ -152,35 +225,38 @@ ReprojectCounts Reprojection::verify(const PinholeView& view, const ReprojectSet
         counts.abrupt += std::uint64_t(abrupt.count());
         counts.failed += std::uint64_t(failed.count());
     };
-    parallel_ranges(tile_count, kTilesPerTask, [&](std::size_t begin, std::size_t end) {
-        Task task;
+    const auto answer_band = [&](std::size_t tile_y, Scratch::Task& task) {
+        reprojection::fill_band(last_, points_, int(tile_y), task.band);
         ReprojectCounts counts;
-        for (std::size_t first = begin; first < end; first += kTilesTogether) {
-            const std::size_t count = std::min(kTilesTogether, end - first);
-            const auto column_of = [&](std::size_t t) { return int((first + t) % std::size_t(tiles_x)); };
-            const auto row_of = [&](std::size_t t) { return int((first + t) / std::size_t(tiles_x)); };
+        for (std::size_t begin = 0; begin < tiles_x; begin += kTilesTogether) {
+            const std::size_t count = std::min(kTilesTogether, tiles_x - begin);
             for (std::size_t t = 0; t < count; ++t)
-                prefetch_tile(auxiliary_, column_of(t) * kTileSize, row_of(t) * kTileSize, out);
+                prefetch_tile(out, int(begin + t) * kTileSize, int(tile_y) * kTileSize);
             for (std::size_t t = 0; t < count; ++t) {
                 task.primitives.start(std::span(task.ids).subspan(task.first[t]));
-                begin_tile(auxiliary_, view, settings, frame_number, column_of(t), row_of(t), task.tiles[t],
+                begin_tile(task.band, view, settings, frame_number, int(begin + t), int(tile_y), task.tiles[t],
                            task.primitives);
                 task.first[t + 1] = task.first[t] + task.primitives.ids().size();
             }
             fetch_triangles(scene_, std::span(task.ids).first(task.first[count]), task.triangles);
             for (std::size_t t = 0; t < count; ++t)
-                end_tile(first + t, task.tiles[t],
+                end_tile(tile_y * tiles_x + begin + t, task.band, task.tiles[t],
                          std::span(task.triangles).subspan(task.first[t], task.first[t + 1] - task.first[t]), counts);
             counts.primitives += task.first[count];
         }
         sum.add(counts);
+    };
+    parallel_for(tiles_y, [&](std::size_t tile_y) {
+        Scratch::Task* const task = scratch_->take();
+        answer_band(tile_y, *task);
+        scratch_->give(task);
     });
 
+    changed_.clear();
+
     left.clear();
-    for (std::size_t t = 0; t < tile_count; ++t) {
-        TileRequest request{std::uint16_t(t % std::size_t(tiles_x) * kTileSize),
-                            std::uint16_t(t / std::size_t(tiles_x) * kTileSize),
-                            {}};
+    for (std::size_t t = 0; t < tiles_x * tiles_y; ++t) {
+        TileRequest request{std::uint16_t(t % tiles_x * kTileSize), std::uint16_t(t / tiles_x * kTileSize), {}};
         std::uint32_t any = 0;
         for (int j = 0; j < kTileSize; ++j)
             any |= request.rows[j] = std::uint16_t(

@@ -4,6 +4,7 @@
 
 #include "engine/farfield/known_primitives.h"
 #include "engine/farfield/reproject.h"
+#include "engine/farfield/reproject_splat.h"
 
 namespace ff::farfield::reprojection {
 
@@ -15,15 +16,20 @@ struct Landed {
 };
 
 /// Reads the surroundings of the tile at (x, y), and adds the primitives that landed there to a set.
-void read_tile(const AuxiliaryImage& auxiliary, int x, int y, Landed& landed, PrimitiveSet& primitives);
+void read_tile(const AuxiliaryBand& band, int x, int y, Landed& landed, PrimitiveSet& primitives);
 
 /// Pixels of a tile of which at least `least` of the 3 x 3 around have their bit set. `least` in [0, 9].
 [[nodiscard]] TileMask count_around(const std::uint32_t (&bits)[kTileSize + 2], int least);
 
 /// Of a tile's hits, those for which enough of the 3 x 3 points vote; Vote::surface or Vote::primitive.
-/// @param all_filled  pixels around which nine points landed
-[[nodiscard]] TileMask count_votes(const AuxiliaryImage& auxiliary, const VisibilityBuffer& hits,
-                                   const TileRequest& tile, const TileMask& all_filled,
-                                   const ReprojectSettings& settings);
+/// @param all_solid  pixels around which nine points of instances landed
+[[nodiscard]] TileMask count_votes(const AuxiliaryBand& band, const VisibilityBuffer& hits, const TileRequest& tile,
+                                   const TileMask& all_solid, const ReprojectSettings& settings);
+
+/// P3 5.3: writes at each pixel of a tile how far its ray need not look, as depth: up to the nearest of the nine points
+/// that landed around it, and as much less as still counts as one surface.
+/// @param shifted  pixels around which nine points landed that are worth it; all others get 0
+void write_origins(const AuxiliaryBand& band, const TileRequest& tile, const TileMask& shifted, float surface_share,
+                   VisibilityBuffer& out);
 
 }  // namespace ff::farfield::reprojection

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <bit>
 #include <cmath>
 #include <glm/matrix.hpp>
 
@@ -38,13 +39,13 @@ Status check_reprojection(const farfield::ReprojectSettings& settings) {
         int value, low, high;
     } numbers[] = {{"min_count", settings.min_count, 0, 9},
                    {"resample_period", settings.resample_period, 0, 64},
-                   {"resample_block_px", settings.resample_block_px, 1, farfield::kTileSize},
+                   {"resample_block_px", settings.resample_block_px, 1, 32},
                    {"abrupt_frames", settings.abrupt_frames, 1, 64}};
     for (const auto& [name, value, low, high] : numbers)
         if (value < low || value > high)
             return bad_input(fmt::format("settings: reproject.{} {}; expected [{}, {}]", name, value, low, high));
-    if (farfield::kTileSize % settings.resample_block_px != 0)
-        return bad_input(fmt::format("settings: reproject.resample_block_px {}; expected 1, 2, 4, 8 or 16",
+    if (!std::has_single_bit(unsigned(settings.resample_block_px)))
+        return bad_input(fmt::format("settings: reproject.resample_block_px {}; expected a power of two",
                                      settings.resample_block_px));
     return {};
 }
@@ -73,6 +74,8 @@ Status check_settings(const FrameSettings& settings) {
         return bad_input(fmt::format("settings: panorama_density {}; expected [0.25, 2]", settings.panorama_density));
     if (const int n = settings.horizon_subsample; n != 1 && n != 2 && n != 4)
         return bad_input(fmt::format("settings: horizon_subsample {}; expected 1, 2 or 4", n));
+    if (const int n = settings.sun_refresh_frames; n < 0 || n > 255)
+        return bad_input(fmt::format("settings: sun_refresh_frames {}; expected [0, 255]", n));
     return check_reprojection(settings.reproject);
 }
 

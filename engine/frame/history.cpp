@@ -16,6 +16,7 @@ void FrameHistory::reset(int width, int height) {
         scratch->reserve(all_tiles.size());
     }
     if (panorama) panorama->clear();
+    if (sun) sun->history.clear();
     panorama_is_full = false;
     rest_frames = 0;
     has_frame = false;

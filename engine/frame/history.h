@@ -17,6 +17,7 @@
 #include "engine/farfield/visibility_buffer.h"
 #include "engine/frame/settings.h"
 #include "engine/frame/stats.h"
+#include "engine/frame/sun_pass.h"
 #include "engine/math/camera.h"
 #include "engine/shading/layer_pass.h"
 #include "engine/shading/shading_pass.h"
@@ -31,6 +32,15 @@ struct SourceMasks {
     farfield::PixelMask verified;  ///< of the panorama's: seen by the pixel's own ray, to be shaded
 };
 
+/// What the panorama's texels were coloured by: another look makes them all wrong.
+struct PanoramaLook {
+    float blend_within_m = 0.0f;
+    bool sun_shadows = false;
+    Vec3 to_sun{0.0f};
+
+    friend bool operator==(const PanoramaLook&, const PanoramaLook&) = default;
+};
+
 struct FrameHistory {
     budget::CostModel costs;
     budget::Governor governor;
@@ -42,11 +52,12 @@ struct FrameHistory {
     std::unique_ptr<farfield::Panorama> panorama;  ///< made when a plan first asks for it
     shading::Image panorama_colors;                ///< where its texels are shaded
     bool panorama_is_full = false;                 ///< it held all that the last frame saw, and the viewer stood
-    float panorama_blend_within_m = 0.0f;          ///< what its texels look past
+    PanoramaLook panorama_look;                    ///< of its texels
     shading::LayerScratch layers;                  ///< scratch: transparent layers on their way into the image
     shading::Image reduced;                        ///< a frame that is drawn smaller than it is shown
     shading::Upscaler upscaler;
     std::unique_ptr<farfield::Reprojection> reprojection;  ///< made when a plan first asks for it
+    std::unique_ptr<SunLight> sun;                         ///< likewise
     SourceMasks sources;
     std::vector<farfield::TileRequest> wanted;    ///< scratch: what neither near field nor horizon answers
     std::vector<farfield::TileRequest> requests;  ///< scratch: what is to be cast
@@ -54,6 +65,7 @@ struct FrameHistory {
     farfield::PixelMask coloured;                 ///< scratch: what needs no shading
     std::vector<farfield::TileRequest> to_shade;  ///< scratch: what no cached colour answers
     std::vector<farfield::TileRequest> to_store;  ///< scratch: what the panorama may remember
+    std::vector<farfield::MovingSphere> moving;   ///< scratch: balls round what moves
     std::vector<farfield::TileRequest> all_tiles;
     bool can_rasterise = false;  ///< there is OpenGL to draw a near field with
     bool has_frame = false;

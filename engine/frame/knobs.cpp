@@ -40,6 +40,9 @@ constexpr std::array kReprojectPeriods{KnobValue{4}, KnobValue{9}, KnobValue{16}
 constexpr std::array kReprojectSurfaces{KnobValue{0.01, "1%"}, KnobValue{0.05, "5%"}, KnobValue{0.2, "20%"}};
 constexpr std::array kReprojectVotes{KnobValue{1, "primitive"}, KnobValue{0, "surface"}, KnobValue{2, "any"}};
 constexpr std::array kReprojectBackground{KnobValue{0, "off"}, KnobValue{1, "on"}};
+constexpr std::array kSunReuses{KnobValue{0, "cast"}, KnobValue{1, "reused"}};
+constexpr std::array kSunRefreshes{KnobValue{1}, KnobValue{8}, KnobValue{32}, KnobValue{128}, KnobValue{0, "never"}};
+constexpr std::array kSunShadowsValues{KnobValue{0, "as the scene says"}, KnobValue{1, "off"}};
 constexpr std::array kChecks{KnobValue{1, "on"}, KnobValue{0, "off"}};
 
 /// A panorama that serves a moving viewer, as the knobs of the panorama need it to show.
@@ -96,6 +99,13 @@ const std::array kKnobs{
          KnobScope::all},
     Knob{"blend_within", "m", "Blended surfaces nearer than this are sorted per pixel, farther ones shown by coverage.",
          60.0, kBlendDistances, [](FrameSettings& s, double v) { s.blend_within_m = float(v); }, KnobScope::all},
+    Knob{"sun_shadows", "", "Whether what stands between a surface and the sun keeps its light away.", 0.0,
+         kSunShadowsValues, [](FrameSettings& s, double v) { s.sun_shadows = SunShadows(int(v)); }, KnobScope::all,
+         false, true},
+    Knob{"sun_reuse", "", "Whether pixels that see the same points as in the last frame keep their light.", 1.0,
+         kSunReuses, [](FrameSettings& s, double v) { s.reuse_sun = v != 0.0; }, KnobScope::hybrid, false, true},
+    Knob{"sun_refresh", "frames", "Reused light is looked at anew at least once in so many.", 32.0, kSunRefreshes,
+         [](FrameSettings& s, double v) { s.sun_refresh_frames = int(v); }, KnobScope::hybrid, false, true},
     Knob{"horizon", "", "Whether sky above the traced skyline is left to nobody.", 1.0, kHorizonUses,
          [](FrameSettings& s, double v) { s.use_horizon = v != 0.0; }},
     Knob{"horizon_subsample", "", "Which azimuths are traced; fewer ones on height squares so much coarser.", 1.0,

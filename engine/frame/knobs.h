@@ -35,7 +35,8 @@ struct Knob {
     /// Sets it, and whatever else it needs to take effect at all.
     void (*set)(FrameSettings& settings, double value) = nullptr;
     KnobScope scope = KnobScope::hybrid;
-    bool needs_gl = false;  ///< only where there is OpenGL to draw with
+    bool needs_gl = false;   ///< only where there is OpenGL to draw with
+    bool needs_sun = false;  ///< only where the scene's sun casts shadows
 
     /// The value as people read it: its name, or its number with the unit.
     [[nodiscard]] std::string text(double value) const;

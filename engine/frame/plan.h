@@ -46,6 +46,9 @@ struct FramePlan {
     farfield::EdgeRule panorama_edges = farfield::EdgeRule::verify;
     bool keep_ids = false;
     float prelit_beyond_m = 0.0f;
+    bool sun_shadows = false;
+    bool reuse_sun = false;  ///< of pixels that see the same points as in the last frame
+    int sun_refresh_frames = 32;
     double predicted_ms = 0.0;
 };
 

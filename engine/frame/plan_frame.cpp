@@ -82,6 +82,14 @@ bool has_blended_materials(const scene::StaticScene& scene) {
                        [](const scene::Material& material) { return (material.flags & scene::kMaterialBlend) != 0; });
 }
 
+/// Only what casts pixels knows shadows, and only where there is a sun.
+bool wants_sun_shadows(const scene::StaticScene& scene, const FrameSettings& settings) {
+    if (settings.mode == Mode::raster || settings.mode == Mode::near) return false;
+    if (scene.environment.sun_radiance == Vec3(0.0f)) return false;
+    return settings.sun_shadows == SunShadows::by_scene ? scene.environment.sun_shadows
+                                                        : settings.sun_shadows == SunShadows::on;
+}
+
 /// Draws the frame at a share of the image's sides. Whole pixels, at least one.
 void reduce(const Camera& camera, double resolution, FramePlan& plan) {
     const auto scaled = [&](int pixels) { return std::max(1, int(std::lround(resolution * pixels))); };
@@ -148,6 +156,10 @@ void plan_frame(const scene::StaticScene& scene, std::span<const scene::Instance
     plan.keep_ids = settings.keep_ids;
     plan.horizon_subsample = settings.horizon_subsample;
     plan.prelit_beyond_m = settings.prelit_beyond_m;
+    plan.sun_shadows = wants_sun_shadows(scene, settings);
+    plan.sun_refresh_frames = settings.sun_refresh_frames;
+    plan.reuse_sun =
+        plan.sun_shadows && settings.reuse_sun && (settings.mode == Mode::hybrid || settings.mode == Mode::beam_reuse);
 
     switch (settings.mode) {
         case Mode::raster:
@@ -162,6 +174,7 @@ void plan_frame(const scene::StaticScene& scene, std::span<const scene::Instance
             plan.caster = CasterKind::embree;
             return;
         case Mode::beam:
+        case Mode::beam_reuse:
             plan.caster = CasterKind::beam;
             plan.trace_horizon = settings.use_horizon && scene.height_grid.size > 0;
             return;
@@ -204,7 +217,7 @@ void plan_frame(const scene::StaticScene& scene, std::span<const scene::Instance
 }
 
 std::string to_text(const FramePlan& plan) {
-    constexpr const char* kModes[] = {"hybrid", "raster", "raycast", "near", "beam", "reproject", "irsa"};
+    constexpr const char* kModes[] = {"hybrid", "raster", "raycast", "near", "beam", "reproject", "irsa", "beam-reuse"};
     constexpr const char* kCasters[] = {"beam", "embree", "grid"};
     std::string text = fmt::format("mode {}\nnear field {}, {} m\nhorizon {}, every {} azimuths\n",
                                    kModes[int(plan.mode)], plan.rasterise ? "rasterised" : "none", plan.near_m,
@@ -216,6 +229,8 @@ std::string to_text(const FramePlan& plan) {
     if (plan.view.width != plan.image_width || plan.view.height != plan.image_height)
         text += fmt::format("drawn {}x{}, shown {}x{}\n", plan.view.width, plan.view.height, plan.image_width,
                             plan.image_height);
+    if (plan.sun_shadows)
+        text += fmt::format("sun shadows{}\n", plan.reuse_sun ? ", of the last frame where they hold" : "");
     text += plan.ray_budget == UINT64_MAX ? std::string("rays as many as needed")
                                           : fmt::format("rays at most {}", plan.ray_budget);
     return text + fmt::format(" by {}\n", kCasters[int(plan.caster)]);

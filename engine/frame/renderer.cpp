@@ -18,7 +18,8 @@ void learn_costs(const FramePlan& plan, const FrameStats& stats, budget::CostMod
     if (!casts_remains) {
         costs.cast_ray.observe(stats.ms(Pass::cast), double(stats.rays));
         // Transparent layers are shading, too: there are as many more as there are pixels.
-        costs.shade_pixel.observe(stats.ms(Pass::shade) + stats.ms(Pass::blend), double(stats.shaded_pixels));
+        costs.shade_pixel.observe(stats.ms(Pass::sun) + stats.ms(Pass::shade) + stats.ms(Pass::blend),
+                                  double(stats.shaded_pixels));
     }
     if (stats.ms(Pass::upscale) > 0.0)
         costs.upscale_pixel.observe(stats.ms(Pass::upscale), double(plan.image_width) * plan.image_height);
@@ -65,6 +66,12 @@ Renderer::Renderer(const scene::StaticScene& scene, Casters& casters, nearfield:
 
 void Renderer::reset() {
     history_.reset(width_, height_);
+}
+
+void Renderer::region_changed(const DBox3& box) {
+    if (history_.panorama && history_.panorama->invalidate(box) > 0) history_.panorama_is_full = false;
+    if (history_.reprojection) history_.reprojection->invalidate(box);
+    history_.horizon.invalidate();
 }
 
 const FrameStats& Renderer::refuse(Error reason, shading::Image& image) {

@@ -25,6 +25,10 @@ class Renderer {
     const FrameStats& draw(const Camera& camera, std::span<const scene::Instance> dynamic,
                            const FrameSettings& settings, shading::Image& image);
 
+    /// What lies in the box has changed, or did before: call it with the old and the new box of an edit. Whatever
+    /// earlier frames know of pixels whose rays meet it is forgotten.
+    void region_changed(const DBox3& box);
+
     /// Forgets all earlier frames, as after a teleport or before a new lap of a bench.
     void reset();
 

@@ -8,7 +8,8 @@ namespace ff::frame {
 namespace {
 
 /// Answers what it can; the rest is left in history.requests.
-void reproject(const FramePlan& plan, const Tools& tools, FrameHistory& history, FrameStats& stats) {
+/// @return whether anything was reprojected
+bool reproject(const FramePlan& plan, const Tools& tools, FrameHistory& history, FrameStats& stats) {
     if (!history.reprojection) history.reprojection = std::make_unique<farfield::Reprojection>(tools.scene);
     farfield::Reprojection& reprojection = *history.reprojection;
     bool has_landed = false;
@@ -18,7 +19,7 @@ void reproject(const FramePlan& plan, const Tools& tools, FrameHistory& history,
     }
     if (!has_landed) {
         history.requests = history.all_tiles;
-        return;
+        return false;
     }
     const TimedPass timed(stats, Pass::verify);
     stats.causes =
@@ -26,6 +27,7 @@ void reproject(const FramePlan& plan, const Tools& tools, FrameHistory& history,
     stats.pixels.verified = stats.causes.verified;
     stats.pixels.sky = stats.causes.background;
     stats.triangles_tested = stats.causes.primitives;
+    return true;
 }
 
 }  // namespace
@@ -34,15 +36,17 @@ void draw_reprojected_frame(const FramePlan& plan, const Tools& tools, FrameHist
                             FrameStats& stats) {
     if (image.width != plan.view.width || image.height != plan.view.height)
         image.resize(plan.view.width, plan.view.height);
+    bool has_landed = false;
     if (plan.may_reproject)
-        reproject(plan, tools, history, stats);
+        has_landed = reproject(plan, tools, history, stats);
     else
         history.requests = history.all_tiles;
     {
         const TimedPass timed(stats, Pass::cast);
         const farfield::CastCost cost = farfield::cast_left_over(
             tools.casters.get(CasterKind::embree), tools.casters.get(plan.caster, plan.grid_cells_per_item), plan.view,
-            history.requests, history.wanted, history.to_shade, history.visibility);
+            history.requests, history.wanted, history.to_shade, has_landed && plan.reproject.shift_origin,
+            history.visibility);
         stats.rays = cost.rays;
         stats.nodes_visited = cost.nodes;
         stats.triangles_tested += cost.triangles;
@@ -55,9 +59,12 @@ void draw_reprojected_frame(const FramePlan& plan, const Tools& tools, FrameHist
                                    history.sources.dynamic);
         stats.pixels.dynamic = history.sources.dynamic.count();
     }
+    const std::uint8_t* const sun_seen =
+        find_sun(plan, tools.scene, history.visibility, history.all_tiles, history.sun, stats);
     const TimedPass timed(stats, Pass::shade);
-    stats.shaded_pixels = shading::shade_tiles(tools.scene, plan.dynamic, plan.view, history.visibility,
-                                               history.all_tiles, {.prelit_beyond_m = plan.prelit_beyond_m}, image);
+    stats.shaded_pixels =
+        shading::shade_tiles(tools.scene, plan.dynamic, plan.view, history.visibility, history.all_tiles,
+                             {.prelit_beyond_m = plan.prelit_beyond_m, .sun_seen = sun_seen}, image);
 }
 
 }  // namespace ff::frame

@@ -83,6 +83,18 @@ void subtract(std::span<const TileRequest> wanted, std::span<const TileRequest> 
         for (int row = 0; row < kTileSize; ++row) tile_of(mask, request).rows[row] &= std::uint16_t(~request.rows[row]);
 }
 
+/// Takes tiles on which the shadow of something that moves may fall out of a mask of finished colours.
+void take_out_shaded(const FramePlan& plan, const scene::StaticScene& scene,
+                     std::span<const farfield::MovingSphere> moving, std::span<const TileRequest> tiles,
+                     const farfield::VisibilityBuffer& visibility, PixelMask& coloured) {
+    for (const TileRequest& tile : tiles) {
+        farfield::TileMask& mask = tile_of(coloured, tile);
+        if (std::any_of(std::begin(mask.rows), std::end(mask.rows), [](std::uint16_t row) { return row != 0; }) &&
+            farfield::may_be_shaded(plan.view, visibility, tile, moving, scene.environment.to_sun))
+            mask = {};
+    }
+}
+
 /// OpenGL ran out of something in the middle of a frame: the frame goes on without it.
 void report(const Status& status) {
     if (!status) log_warning("near field: {}", status.error().message);
@@ -133,8 +145,8 @@ void draw_near_field(const FramePlan& plan, const Tools& tools, FrameHistory& hi
     }
 }
 
-shading::ShadeSettings shade_settings(const FramePlan& plan) {
-    return {.prelit_beyond_m = plan.prelit_beyond_m};
+shading::ShadeSettings shade_settings(const FramePlan& plan, const std::uint8_t* sun_seen) {
+    return {.prelit_beyond_m = plan.prelit_beyond_m, .sun_seen = sun_seen};
 }
 
 /// Whether something blended may be near enough to be a transparent layer.
@@ -153,12 +165,12 @@ void blend_layers(const FramePlan& plan, const Tools& tools, FrameHistory& histo
     const TimedPass timed(stats, Pass::blend);
     const farfield::LayerScene layers{tools.scene, tools.layer_index,
                                       plan.dynamic.empty() ? nullptr : &tools.dynamic_overlay.moving()};
-    stats.layers = shading::blend_layers(layers, plan.view, history.visibility, history.all_tiles, shade_settings(plan),
-                                         history.layers, image);
+    stats.layers = shading::blend_layers(layers, plan.view, history.visibility, history.all_tiles,
+                                         shade_settings(plan, nullptr), history.layers, image);
 }
 
 /// The map for frames like this one, told where the viewer stands.
-void begin_panorama(const FramePlan& plan, FrameHistory& history) {
+void begin_panorama(const FramePlan& plan, const scene::StaticScene& scene, FrameHistory& history) {
     if (!history.panorama) {
         PinholeView full = plan.view;  // the map is made once, for frames of full size
         full.u_step *= float(plan.view.width) / float(plan.image_width);
@@ -169,8 +181,9 @@ void begin_panorama(const FramePlan& plan, FrameHistory& history) {
         history.panorama_colors.resize(size, 6 * size);
         populate_pages(history.panorama_colors.pixels);
     }
-    if (history.panorama_blend_within_m != plan.view.blend_within_m) history.panorama->clear();
-    history.panorama_blend_within_m = plan.view.blend_within_m;
+    const PanoramaLook look{plan.view.blend_within_m, plan.sun_shadows, scene.environment.to_sun};
+    if (history.panorama_look != look) history.panorama->clear();
+    history.panorama_look = look;
     history.panorama->begin_frame(plan.view.position);
 }
 
@@ -194,10 +207,12 @@ std::uint64_t fill_panorama(const FramePlan& plan, const Tools& tools, const far
             stats.rays +=
                 tools.casters.get(plan.caster, plan.grid_cells_per_item).cast_tiles(view, texels, panorama.map()).rays;
         }
+        const std::uint8_t* const sun_seen =
+            find_sun_of_panorama(plan, tools.scene, view, panorama.map(), texels, history.sun, stats);
         {
             const TimedPass timed(stats, Pass::shade);
             stats.shaded_pixels += shading::shade_tiles(tools.scene, {}, view, panorama.map(), texels,
-                                                        shade_settings(plan), history.panorama_colors);
+                                                        shade_settings(plan, sun_seen), history.panorama_colors);
         }
         const TimedPass timed(stats, Pass::store);
         panorama.commit_fill(face, history.panorama_colors.pixels, history.panorama_colors.stride);
@@ -210,12 +225,13 @@ void look_up_panorama(const FramePlan& plan, const Tools& tools, const farfield:
                       FrameHistory& history, shading::Image& image, FrameStats& stats) {
     farfield::Panorama& panorama = *history.panorama;
     const TimedPass timed(stats, Pass::panorama);
-    // Depths are fetched only where something may stand before the texels.
-    const bool wants_depths = plan.keep_ids || !plan.dynamic.empty() || may_have_layers(plan, tools);
+    // Depths are fetched only where something may stand before the texels, names where its shadow may fall on them.
+    const bool wants_ids = plan.keep_ids || (plan.sun_shadows && !plan.dynamic.empty());
+    const bool wants_depths = wants_ids || !plan.dynamic.empty() || may_have_layers(plan, tools);
     const farfield::PanoramaTarget target{.visibility = wants_depths ? &history.visibility : nullptr,
                                           .colors = image.pixels.data(),
                                           .color_stride = image.stride,
-                                          .depth_only = !plan.keep_ids};
+                                          .depth_only = !wants_ids};
     const farfield::PanoramaStats found = panorama.lookup(plan.view, history.wanted, limits, target, history.requests);
     stats.pixels.panorama = found.reused + found.stale + found.unanswered;
     stats.pixels.stale = found.stale + found.unanswered;
@@ -280,7 +296,7 @@ void draw_surfaces(const FramePlan& plan, const Tools& tools, FrameHistory& hist
     std::vector<TileRequest>* casts = &history.wanted;
     if (plan.look_up_panorama || plan.store_panorama || plan.fill_panorama) {
         const TimedPass timed(stats, Pass::panorama);
-        begin_panorama(plan, history);
+        begin_panorama(plan, tools.scene, history);
     }
     farfield::PanoramaLimits limits{
         .max_parallax_px = plan.max_parallax_px, .edges = plan.panorama_edges, .ray_budget = plan.ray_budget};
@@ -328,10 +344,18 @@ void draw_surfaces(const FramePlan& plan, const Tools& tools, FrameHistory& hist
         PixelMask& coloured = history.coloured;
         coloured = sources.panorama;
         remove(sources.verified, coloured);
+        if (plan.sun_shadows && !plan.dynamic.empty()) {
+            bound_moving(plan.dynamic, history.moving);
+            take_out_shaded(plan, tools.scene, history.moving, history.all_tiles, visibility, coloured);
+        }
         const PixelMask* const done[] = {&coloured};
         collect_requests(history.all_tiles, done, history.to_shade);
+    }
+    const std::uint8_t* const sun_seen = find_sun(plan, tools.scene, visibility, history.to_shade, history.sun, stats);
+    {
+        const TimedPass timed(stats, Pass::shade);
         stats.shaded_pixels += shading::shade_tiles(tools.scene, plan.dynamic, plan.view, visibility, history.to_shade,
-                                                    shade_settings(plan), image);
+                                                    shade_settings(plan, sun_seen), image);
     }
     if (plan.store_panorama) {
         const TimedPass timed(stats, Pass::store);

@@ -20,15 +20,18 @@ enum class Mode {
     beam,       ///< every pixel below the horizon by tile beams
     reproject,  ///< P3: the last frame's hits verified by one intersection, the rest cast
     irsa,       ///< P3 7.3: each pixel's primitive is known beforehand, by a cast that no time counts; the bound of all
+    beam_reuse,  ///< mode beam whose pixels keep the last frame's light where they see the same points
 };
 
 /// Whether a frame's visibility buffer holds the primitive of every pixel: no rasterised and no cached colours.
 [[nodiscard]] constexpr bool knows_primitives(Mode mode) {
-    return mode == Mode::raycast || mode == Mode::beam || mode == Mode::reproject || mode == Mode::irsa;
+    return mode == Mode::raycast || mode == Mode::beam || mode == Mode::reproject || mode == Mode::irsa ||
+           mode == Mode::beam_reuse;
 }
 
 enum class CasterKind { beam, embree, grid };
 enum class OpacityKind { automatic, software, readback };
+enum class SunShadows { by_scene, off, on };
 
 /// What a user may choose about a frame. Defaults draw exact frames as fast as the machine can.
 struct FrameSettings {
@@ -44,7 +47,11 @@ struct FrameSettings {
     /// coverage. Metres along the ray, [0, inf); 0: all by coverage.
     float blend_within_m = 60.0f;
     OpacityKind opacity = OpacityKind::automatic;
-    float resolution = 1.0f;  ///< share of the image's sides that is drawn; enlarged to be shown. [0.25, 1]
+    /// Whether surfaces that do not see the sun are without its light; modes raster and near know of no shadows.
+    SunShadows sun_shadows = SunShadows::by_scene;
+    bool reuse_sun = true;  ///< modes hybrid and beam_reuse: pixels that see the same points again keep their light
+    int sun_refresh_frames = 32;  ///< reused light is looked at anew at least once in so many. [0, 255]; 0: never
+    float resolution = 1.0f;      ///< share of the image's sides that is drawn; enlarged to be shown. [0.25, 1]
     farfield::ReprojectSettings reproject;           ///< mode reproject
     CasterKind reproject_caster = CasterKind::beam;  ///< of tiles that it leaves; single pixels go to Embree
 

@@ -19,16 +19,17 @@ enum class Pass : std::uint8_t {
     reproject,
     verify,
     cast,
+    sun,
     shade,
     store,
     blend,
     upscale,
     present
 };
-inline constexpr std::size_t kPassCount = 13;
+inline constexpr std::size_t kPassCount = 14;
 inline constexpr std::array<std::string_view, kPassCount> kPassNames{
-    "plan", "near",  "opacity", "horizon", "panorama", "reproject", "verify",
-    "cast", "shade", "store",   "blend",   "upscale",  "present"};
+    "plan", "near", "opacity", "horizon", "panorama", "reproject", "verify",
+    "cast", "sun",  "shade",   "store",   "blend",    "upscale",   "present"};
 
 /// Pixels by how they came to be (P0 Figure 11); they add up to the image as it was drawn.
 struct PixelCounts {
@@ -56,6 +57,8 @@ struct FrameStats {
     std::uint64_t near_triangles = 0;    ///< sent to OpenGL
     std::uint64_t near_draws = 0;
     std::uint64_t shaded_pixels = 0;
+    std::uint64_t sun_rays = 0;        ///< cast towards the sun
+    std::uint64_t sun_reused = 0;      ///< pixels whose light the last frame knew
     std::uint64_t layers = 0;          ///< transparent layers shaded and blended
     std::uint64_t opacity_missed = 0;  ///< near pixels that the opacity buffer did not know of
     double near_m = 0.0;               ///< near distance of this frame
@@ -70,7 +73,8 @@ struct FrameStats {
                ms(Pass::verify) + ms(Pass::cast);
     }
     [[nodiscard]] double shading_ms() const {
-        return ms(Pass::shade) + ms(Pass::store) + ms(Pass::blend) + ms(Pass::upscale) + ms(Pass::present);
+        return ms(Pass::sun) + ms(Pass::shade) + ms(Pass::store) + ms(Pass::blend) + ms(Pass::upscale) +
+               ms(Pass::present);
     }
 
     [[nodiscard]] double& ms(Pass pass) { return pass_ms[std::size_t(pass)]; }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <glm/common.hpp>
 #include <limits>
@@ -35,6 +36,22 @@ using DBox3 = Box<DVec3>;  ///< world
 [[nodiscard]] inline double distance_to(const DBox3& box, const DVec3& p) {
     const DVec3 d = glm::max(glm::max(box.low - p, p - box.high), DVec3(0.0));
     return std::sqrt(d.x * d.x + d.y * d.y + d.z * d.z);
+}
+
+/// Whether the segment from `from` to `from + along` meets the box, its surface included.
+[[nodiscard]] inline bool meets_segment(const DBox3& box, const DVec3& from, const DVec3& along) {
+    double enter = 0.0, leave = 1.0;
+    for (int axis = 0; axis < 3; ++axis) {
+        const double low = box.low[axis] - from[axis], high = box.high[axis] - from[axis];
+        if (along[axis] == 0.0) {
+            if (low > 0.0 || high < 0.0) return false;
+            continue;
+        }
+        const double a = low / along[axis], b = high / along[axis];
+        enter = std::max(enter, std::min(a, b));
+        leave = std::min(leave, std::max(a, b));
+    }
+    return enter <= leave;
 }
 
 }  // namespace ff

@@ -14,6 +14,7 @@ struct Environment {
     Vec3 sky_zenith{0.20f, 0.42f, 0.80f};    ///< linear RGB
     Vec3 sky_horizon{0.70f, 0.80f, 0.90f};
     Vec3 ground_bounce{0.18f, 0.16f, 0.13f};  ///< light from below
+    bool sun_shadows = false;                 ///< what stands between a surface and the sun keeps its light away
     float fog_density_per_m = 0.0f;           ///< 0: none; colour is the horizon's
     /// Equirectangular sky instead of the gradient, where given: RGBA16F, width x height, row 0 at the zenith, column 0
     /// looking north (-z), growing to the east.

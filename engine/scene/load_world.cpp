@@ -199,6 +199,7 @@ class WorldLoader {
                  .environment = from_disk(*table.environment())};
         scene.height_grid.heights = arrays_.heights;
         scene.environment.panorama = arrays_.sky_panorama;
+        scene.environment.sun_shadows = table.sun_shadows();
 
         WorldInfo& info = world_->info_;
         info.name = table.name()->str();

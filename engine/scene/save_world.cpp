@@ -58,7 +58,7 @@ flatbuffers::DetachedBuffer world_table(const SceneData& scene, const WorldInfo&
     const disk::DVec3 spawn = to_disk(info.spawn_position);
     disk::FinishWorldBuffer(
         builder, disk::CreateWorld(builder, name, &origin, &bounds, &grid, &environment, &spawn, info.spawn_yaw,
-                                   info.source_bytes, dynamic_instances, walk_list));
+                                   info.source_bytes, dynamic_instances, walk_list, scene.environment.sun_shadows));
     return builder.Release();
 }
 

@@ -121,10 +121,10 @@ DVec3 sample(const StaticScene& scene, const scene::Texture& texture, const DVec
                     glm::mix(texel(x0, y0 + 1), texel(x0 + 1, y0 + 1), x - x0), y - y0);
 }
 
-DVec3 diffuse_light(const ShadingUniforms& uniforms, const DVec3& normal) {
+DVec3 diffuse_light(const ShadingUniforms& uniforms, const DVec3& normal, double sun_seen) {
     const DVec3 sky = DVec3(uniforms.ambient_side) + normal.y * DVec3(uniforms.ambient_slope) +
                       normal.y * normal.y * DVec3(uniforms.ambient_curve);
-    return sky + std::max(glm::dot(normal, DVec3(uniforms.to_sun)), 0.0) * DVec3(uniforms.sun_radiance);
+    return sky + sun_seen * std::max(glm::dot(normal, DVec3(uniforms.to_sun)), 0.0) * DVec3(uniforms.sun_radiance);
 }
 
 DVec3 sky_gradient(const ShadingUniforms& uniforms, double y) {
@@ -162,7 +162,7 @@ DVec3 sky_color(const ShadingUniforms& uniforms, const scene::Environment& envir
 
 /// See specular_surface in shading_kernel.cpp for the sources.
 DVec3 specular_surface(const ShadingUniforms& uniforms, const DVec3& n, const DVec3& to_eye, const DVec3& color,
-                       double metallic, double roughness) {
+                       double metallic, double roughness, double sun_seen) {
     const DVec3 sun(uniforms.to_sun);
     const double n_l = std::max(glm::dot(n, sun), 0.0), n_v = std::max(glm::dot(n, to_eye), 1e-4);
     const DVec3 half = glm::normalize(sun + to_eye);
@@ -176,8 +176,8 @@ DVec3 specular_surface(const ShadingUniforms& uniforms, const DVec3& n, const DV
     const double lobe = 0.5 * alpha2 * n_l / std::max(base * base * smith, 1e-9);
     const DVec3 f0 = glm::mix(DVec3(kDielectric), color, metallic);
     const DVec3 fresnel = glm::mix(f0, DVec3(1.0), std::pow(1.0 - v_h, 5.0));
-    const DVec3 lit =
-        (1.0 - metallic) * color * diffuse_light(uniforms, n) + lobe * fresnel * DVec3(uniforms.sun_radiance);
+    const DVec3 lit = (1.0 - metallic) * color * diffuse_light(uniforms, n, sun_seen) +
+                      sun_seen * lobe * fresnel * DVec3(uniforms.sun_radiance);
 
     const double mirrored_y = 2.0 * n_v * n.y - to_eye.y;
     const DVec3 blurred = DVec3(uniforms.ambient_side) + mirrored_y * DVec3(uniforms.ambient_slope) +
@@ -190,7 +190,7 @@ DVec3 specular_surface(const ShadingUniforms& uniforms, const DVec3& n, const DV
 
 /// Linear, before fog.
 DVec3 surface_color(const StaticScene& scene, const ShadingUniforms& uniforms, const SeenTriangle& seen,
-                    const DVec3& direction, double pixel_angle) {
+                    const DVec3& direction, double pixel_angle, double sun_seen) {
     const scene::Material& material = *seen.material;
     const auto interpolated = [&](const auto& at0, const auto& at1, const auto& at2) {
         return at0 + seen.b1 * (at1 - at0) + seen.b2 * (at2 - at0);
@@ -212,17 +212,19 @@ DVec3 surface_color(const StaticScene& scene, const ShadingUniforms& uniforms, c
     if (glm::dot(normal, facing) < 0.0) normal = -normal;
     normal /= std::max(glm::length(normal), 1e-30);
     if (!(material.flags & scene::kMaterialSpecular))
-        return soft_clip(color * diffuse_light(uniforms, normal) + emissive);
+        return soft_clip(color * diffuse_light(uniforms, normal, sun_seen) + emissive);
     DVec2 rough_metal(material.roughness, material.metallic);
     if (material.metallic_roughness_texture != scene::kNoTexture) {
         const DVec3 map = sample(scene, scene.textures[material.metallic_roughness_texture], uv, footprint);
         rough_metal *= DVec2(map.y, map.z);
     }
     return soft_clip(
-        specular_surface(uniforms, normal, -glm::normalize(direction), color, rough_metal.y, rough_metal.x) + emissive);
+        specular_surface(uniforms, normal, -glm::normalize(direction), color, rough_metal.y, rough_metal.x, sun_seen) +
+        emissive);
 }
 
-DVec3 prelit_color(const StaticScene& scene, const ShadingUniforms& uniforms, const SeenTriangle& seen) {
+DVec3 prelit_color(const StaticScene& scene, const ShadingUniforms& uniforms, const SeenTriangle& seen,
+                   double sun_seen) {
     const scene::Material& material = *seen.material;
     const DVec3 color = unpack(scene.prelit_colors[seen.index]);
     DVec3 emissive(material.emissive);
@@ -233,7 +235,10 @@ DVec3 prelit_color(const StaticScene& scene, const ShadingUniforms& uniforms, co
     if (material.flags & scene::kMaterialUnlit) return color + emissive;
     DVec3 normal = seen.n[0] / std::max(glm::length(seen.n[0]), 1e-30);
     if (glm::dot(normal, seen.p[0]) >= 0.0) normal = -normal;
-    return soft_clip(color * diffuse_light(uniforms, normal) + emissive);
+    const auto lit = [&](double seen_share) {
+        return soft_clip(color * diffuse_light(uniforms, normal, seen_share) + emissive);
+    };
+    return glm::mix(lit(0.0), lit(1.0), sun_seen);  // by triangle, so the share comes last
 }
 
 const scene::Instance& instance_of(const StaticScene& scene, std::span<const scene::Instance> dynamic,
@@ -258,8 +263,13 @@ Vec3 shade_reference(const StaticScene& scene, std::span<const scene::Instance> 
         color = sky_color(uniforms, scene.environment, glm::normalize(direction));
     } else {
         const SeenTriangle seen = see(scene, instance_of(scene, dynamic, instance), triangle, view.position, direction);
-        color = depth > settings.prelit_beyond_m ? prelit_color(scene, uniforms, seen)
-                                                 : surface_color(scene, uniforms, seen, direction, view.pixel_angle());
+        const std::size_t stride =
+            std::size_t(view.width + farfield::kTileSize - 1) / farfield::kTileSize * farfield::kTileSize;
+        const double sun_seen =
+            settings.sun_seen == nullptr ? 1.0 : settings.sun_seen[std::size_t(y) * stride + std::size_t(x)] / 255.0;
+        color = depth > settings.prelit_beyond_m
+                    ? prelit_color(scene, uniforms, seen, sun_seen)
+                    : surface_color(scene, uniforms, seen, direction, view.pixel_angle(), sun_seen);
         const double clear = std::exp(-double(uniforms.to_sun.w) * depth * glm::length(direction));
         color = glm::mix(DVec3(uniforms.horizon), color, clear);
     }

@@ -9,6 +9,7 @@ namespace ff::shading {
 
 /// What the shading model says of one pixel, in plain scalar double: the yardstick of the fast pass and of the GLSL.
 /// @param instance, triangle, depth  as in the visibility buffer
+/// @param settings  sun_seen is read at the pixel of a buffer of the view's size
 /// @return sRGB-encoded RGB in [0, 1], not rounded.
 /// Differs from shade_tiles by at most 2/255 except where the two choose different mip levels, see
 /// tests/shading/shading_test.cpp.

@@ -93,6 +93,7 @@ struct Surface {
     V3 to_eye;  ///< unit
     Rgb color;  ///< linear
     VF metallic, roughness;
+    Rgb sun;  ///< radiance that arrives
 };
 
 /// Light that leaves a metallic-roughness surface. Sun: GGX, Smith height-correlated, Schlick. Sky: the mirrored
@@ -125,8 +126,8 @@ HWY_INLINE Rgb specular_surface(const ShadingUniforms& uniforms, const Surface& 
     const Rgb f0 = mix({splat(kDielectric), splat(kDielectric), splat(kDielectric)}, s.color, metallic);
     const Rgb fresnel = mix(f0, {one, one, one}, schlick);
     const Rgb diffuse = multiply(hn::Sub(one, metallic), s.color);
-    Rgb out = multiply(diffuse, diffuse_light(uniforms, s.normal.y, sun_cosine));
-    out = multiply_add(lobe, multiply(fresnel, splat(uniforms.sun_radiance)), out);
+    Rgb out = multiply(diffuse, multiply_add(n_l, s.sun, diffuse_light(uniforms, s.normal.y, hn::Zero(df))));
+    out = multiply_add(lobe, multiply(fresnel, s.sun), out);
 
     // The sky in the mirrored direction, blurred towards the hemisphere's light as roughness grows.
     const VF mirrored_y = hn::Sub(hn::Mul(hn::Mul(splat(2.0f), n_v), s.normal.y), s.to_eye.y);
@@ -142,9 +143,17 @@ HWY_INLINE Rgb specular_surface(const ShadingUniforms& uniforms, const Surface& 
     return multiply_add(reflectance, mirrored, out);
 }
 
+/// Shares [0, 1] of the sun that a vector of pixels sees.
+HWY_INLINE VF load_sun_seen(const std::uint8_t* at) {
+    const hn::Rebind<std::uint8_t, DI> bytes;
+    return hn::Mul(hn::ConvertTo(df, hn::PromoteTo(di, hn::LoadU(bytes, at))), splat(1.0f / 255.0f));
+}
+
 /// Linear colour of the pixels of a vector before fog.
+/// @param sun_seen  shares, where ShadeSettings::sun_seen is given
 template <bool kOneTriangle>
-HWY_INLINE Rgb shade_surface(const ShadeFrame& frame, const Records<kOneTriangle>& records, const Rays& rays) {
+HWY_INLINE Rgb shade_surface(const ShadeFrame& frame, const Records<kOneTriangle>& records, const Rays& rays,
+                             VF sun_seen) {
     const std::int32_t bits = records.info_bits();
     const ShadingUniforms& uniforms = frame.uniforms;
     const Quad quad_s = records.quad(kQuadS);
@@ -161,6 +170,10 @@ HWY_INLINE Rgb shade_surface(const ShadeFrame& frame, const Records<kOneTriangle
 
     const Quad quad_color = records.quad(kQuadColor);
     Rgb color = {quad_color.a, quad_color.b, quad_color.c};
+    if (frame.settings.sun_seen != nullptr) {
+        const Quad shade = records.quad(kQuadShade);
+        color = mix({shade.a, shade.b, shade.c}, color, sun_seen);
+    }
     if (bits & kLaneVertexColor) {
         const Rgb vertex_color = {interpolated(records.quad(kQuadVertexRed), b1, b2),
                                   interpolated(records.quad(kQuadVertexGreen), b1, b2),
@@ -187,13 +200,15 @@ HWY_INLINE Rgb shade_surface(const ShadeFrame& frame, const Records<kOneTriangle
         V3 n = normalized({interpolated(nx, b1, b2), interpolated(ny, b1, b2), interpolated(nz, b1, b2)});
         const VF turn = hn::And(interpolated({nx.d, ny.d, nz.d, nz.d}, b1, b2), hn::SignBit(df));
         n = {hn::Xor(n.x, turn), hn::Xor(n.y, turn), hn::Xor(n.z, turn)};
-        const Rgb light = diffuse_light(uniforms, n.y, dot(n, broadcast(Vec3(uniforms.to_sun))));
+        const VF sun_cosine = dot(n, broadcast(Vec3(uniforms.to_sun)));
+        const Rgb light = diffuse_light(uniforms, n.y, hn::Mul(sun_cosine, sun_seen));
         Rgb lit = multiply(color, light);
         if (bits & kLaneSpecular) {
             Surface surface;
             surface.normal = n;
             surface.to_eye = scale(splat(-1.0f), rays.unit_directions(frame.view));
             surface.color = color;
+            surface.sun = multiply(sun_seen, splat(uniforms.sun_radiance));
             const Quad quad_specular = records.quad(kQuadSpecular);
             surface.metallic = quad_specular.a;
             surface.roughness = quad_specular.b;
@@ -320,13 +335,21 @@ std::uint64_t shade_tile(const ShadeFrame& frame, const farfield::TileRequest& t
                 const Records<false> many = {scratch.records, offsets};
                 const MF far = hn::Gt(depth, prelit_beyond);
                 const bool any_far = needs.prelit && !hn::AllFalse(df, far);
+                const std::uint8_t* const sun_seen_at = frame.settings.sun_seen;
+                const VF sun_seen = sun_seen_at == nullptr ? splat(1.0f) : load_sun_seen(sun_seen_at + first + i);
                 color = {hn::Zero(df), hn::Zero(df), hn::Zero(df)};
                 if (!any_far || !hn::AllTrue(df, hn::Or(far, is_sky)))
-                    color =
-                        one_triangle ? shade_surface<true>(frame, one, rays) : shade_surface<false>(frame, many, rays);
+                    color = one_triangle ? shade_surface<true>(frame, one, rays, sun_seen)
+                                         : shade_surface<false>(frame, many, rays, sun_seen);
                 if (any_far) {
-                    const Quad prelit = one_triangle ? one.quad(kQuadPrelit) : many.quad(kQuadPrelit);
-                    color = select(far, {prelit.a, prelit.b, prelit.c}, color);
+                    const auto quad = [&](int row) HWY_ATTR { return one_triangle ? one.quad(row) : many.quad(row); };
+                    const Quad lit = quad(kQuadPrelit);
+                    Rgb prelit = {lit.a, lit.b, lit.c};
+                    if (sun_seen_at != nullptr) {
+                        const Quad shade = quad(kQuadPrelitShade);
+                        prelit = mix({shade.a, shade.b, shade.c}, prelit, sun_seen);
+                    }
+                    color = select(far, prelit, color);
                 }
                 if (has_fog) {
                     const VF distance = hn::Mul(depth, hn::Sqrt(rays.length_squared));

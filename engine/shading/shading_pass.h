@@ -25,6 +25,8 @@ struct Image {
 struct ShadeSettings {
     /// Beyond this depth a triangle has its one prelit mean colour (P1 4.6) instead of textures. Metres; +inf: never.
     float prelit_beyond_m = std::numeric_limits<float>::infinity();
+    /// How much of the sun each pixel sees, as VisibilityBuffer::index: 0 none, 255 all. nullptr: all everywhere.
+    const std::uint8_t* sun_seen = nullptr;
 };
 
 /// Colours the pixels that the tiles ask for; all of them must be resolved or sky. Parallel over tiles.

@@ -37,7 +37,9 @@ enum Row : int {
     kQuadEmissive = 48,     ///< RGB, and int: its texture's first texel
     kQuadSpecular = 52,     ///< metallic, roughness, and int: info and first texel of their texture
     kQuadPrelit = 56,       ///< RGB, lit
-    kRecordFloats = 60
+    kQuadShade = 60,        ///< kQuadColor's RGB where the sun is hidden; written with ShadeSettings::sun_seen only
+    kQuadPrelitShade = 64,  ///< kQuadPrelit's, likewise
+    kRecordFloats = 68
 };
 
 // Lane bits of the infos, above texture_info's. The sign bit stays free.
@@ -60,7 +62,7 @@ struct TriangleName {
 }
 inline constexpr std::int32_t kSkyOffset = record_offset(kTilePixels);
 
-/// Scratch of one worker, reused from tile to tile. 66 KiB.
+/// Scratch of one worker, reused from tile to tile. 75 KiB.
 struct TileScratch {
     alignas(64) float records[kSkyOffset + kRecordFloats];
     alignas(64) std::int32_t offset[kTilePixels + farfield::kTileSize];  ///< per pixel, of its record; a row to spare

@@ -147,6 +147,11 @@ HWY_INLINE void set_up_full(const ShadeFrame& frame, const RawBlock& raw, int la
     const V3 to_sun = broadcast(Vec3(uniforms.to_sun));
     const Rgb light = diffuse_light(uniforms, hn::Xor(flat.y, turn), hn::Xor(dot(flat, to_sun), turn));
     const MF constant_light = hn::Not(hn::Or(has(kLanePixelLit), has(kLaneUnlit)));
+    if (frame.settings.sun_seen != nullptr) {
+        const Rgb sky = diffuse_light(uniforms, hn::Xor(flat.y, turn), zero);
+        const Rgb shade = select(constant_light, multiply(color, sky), color);
+        store_quad(record, kQuadShade, {shade.r, shade.g, shade.b, zero});
+    }
     color = select(constant_light, multiply(color, light), color);
     store_quad(record, kQuadColor,
                {color.r, color.g, color.b, hn::BitCast(df, hn::Load(di, raw.emissive_info + lane))});
@@ -181,15 +186,19 @@ HWY_INLINE void set_up_prelit(const ShadeFrame& frame, const RawBlock& raw, int 
     const V3 normal = normalized(to_world(decode_normal(hn::Load(di, raw.normal[0] + lane))));
     const VF toward = hn::And(dot(normal, world_position(raw, 0, lane)), hn::SignBit(df));
     const VF flip = hn::Xor(toward, hn::SignBit(df));
-    const Rgb light = diffuse_light(frame.uniforms, hn::Xor(normal.y, flip),
-                                    hn::Xor(dot(normal, broadcast(Vec3(frame.uniforms.to_sun))), flip));
+    const VF up = hn::Xor(normal.y, flip);
+    const VF sun_cosine = hn::Xor(dot(normal, broadcast(Vec3(frame.uniforms.to_sun))), flip);
     const MF unlit = hn::RebindMask(df, hn::TestBit(info, hn::Set(di, kLaneUnlit)));
     const Rgb color = unpack_color(hn::Load(du, raw.prelit + lane));
     const Rgb emissive = {hn::Load(df, raw.prelit_emissive[0] + lane), hn::Load(df, raw.prelit_emissive[1] + lane),
                           hn::Load(df, raw.prelit_emissive[2] + lane)};
-    const Rgb lit = soft_clip(multiply_add(color, light, emissive));
-    const Rgb prelit = select(unlit, multiply_add(splat(1.0f), color, emissive), lit);
-    store_quad(record, kQuadPrelit, {prelit.r, prelit.g, prelit.b, hn::Zero(df)});
+    const auto store_lit = [&](int row, VF cosine) HWY_ATTR {
+        const Rgb lit = soft_clip(multiply_add(color, diffuse_light(frame.uniforms, up, cosine), emissive));
+        const Rgb prelit = select(unlit, multiply_add(splat(1.0f), color, emissive), lit);
+        store_quad(record, row, {prelit.r, prelit.g, prelit.b, hn::Zero(df)});
+    };
+    store_lit(kQuadPrelit, sun_cosine);
+    if (frame.settings.sun_seen != nullptr) store_lit(kQuadPrelitShade, hn::Zero(df));
 }
 
 }  // namespace ff::shading::HWY_NAMESPACE

@@ -93,6 +93,7 @@ class Bench {
         add("without abrupt", {.check_abrupt = false}, *beams_);
         add("without resampling", {.resample_period = 0}, *beams_);
         add("without background", {.use_background = false}, *beams_);
+        add("with shifted origins", {.shift_origin = true}, *beams_);
         add("without vote", {.vote = farfield::Vote::any}, *beams_);
         truth_.resize(kWidth, kHeight);
         visibility_.resize(kWidth, kHeight);
@@ -225,7 +226,8 @@ class Bench {
             v.left = tiles_;
         }
         watch.restart();
-        farfield::cast_left_over(*orsa_, *v.caster, view, v.left, few_, much_, v.visibility);
+        farfield::cast_left_over(*orsa_, *v.caster, view, v.left, few_, much_, has_landed && v.settings.shift_origin,
+                                 v.visibility);
         const double cast_ms = watch.milliseconds();
         v.last_view = view;
         v.method.end_frame(reproject_ms, verify_ms, cast_ms, shade(view, v.visibility));

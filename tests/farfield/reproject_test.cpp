@@ -88,6 +88,7 @@ struct TwoFrames {
         caster->cast_tiles(last_view, whole_image(), last);
         caster->cast_tiles(view, whole_image(), truth);
         has_landed = reprojection.reproject(last_view, last, view, settings);
+        out = last;
         if (has_landed)
             counts = reprojection.verify(view, settings, frame_number, out, left);
         else
@@ -299,6 +300,151 @@ TEST(Reproject, points_that_come_too_fast_are_cast) {
     });
 }
 
+/// A street, and the same street with a box in it that comes last, so that all other names stay.
+struct EditedWorld {
+    scene::SceneData without, with;
+    DBox3 box;
+};
+EditedWorld edited_world() {
+    const Camera camera = street_camera();
+    const WorldPos place = camera.position + world_from_camera(camera) * DVec3(0.4, 0.0, -6.0);
+    const auto make = [&](bool has_box) {
+        scene::SceneData data = test::make_city({.cells = 3, .subdivisions = 2});
+        scene::MeshSource mesh;
+        test::append_box(mesh, {-0.7f, -0.7f, -0.7f}, {0.7f, 0.7f, 0.7f}, 3, 0);
+        const std::uint32_t id = data.add_mesh(scene::prepare_mesh(std::move(mesh), data.materials));
+        data.add_instance(id, has_box ? place : place + DVec3(0.0, -500.0, 0.0), Mat3(1.0f), 0);
+        data.finish(64);
+        return data;
+    };
+    EditedWorld world{make(false), make(true), {}};
+    world.box.add(place - DVec3(0.75));
+    world.box.add(place + DVec3(0.75));
+    return world;
+}
+
+TEST(Reproject, an_edit_makes_exactly_the_pixels_be_cast_whose_rays_meet_its_box) {
+    const EditedWorld world = edited_world();
+    const auto tiles = whole_image();
+    Camera to = street_camera();
+    to.position += world_from_camera(to) * DVec3(0.01, 0.0, -0.05);
+    const PinholeView last_view = make_view(street_camera(), kWidth, kHeight), view = make_view(to, kWidth, kHeight);
+    for (const bool appears : {true, false}) {
+        const scene::StaticScene before = (appears ? world.without : world.with).view();
+        const scene::StaticScene after = (appears ? world.with : world.without).view();
+        VisibilityBuffer last, truth;
+        last.resize(kWidth, kHeight);
+        truth.resize(kWidth, kHeight);
+        make_beam_caster(before)->cast_tiles(last_view, tiles, last);
+        const auto caster = make_beam_caster(after);
+        caster->cast_tiles(view, tiles, truth);
+        const auto run = [&](bool is_told, VisibilityBuffer& out) {
+            auto reprojection = std::make_unique<Reprojection>(after);
+            if (is_told) reprojection->invalidate(world.box);
+            EXPECT_TRUE(reprojection->reproject(last_view, last, view, {}));
+            out = last;
+            std::vector<TileRequest> left;
+            reprojection->verify(view, {}, 5, out, left);
+            VisibilityBuffer answered = out;
+            caster->cast_tiles(view, left, out);
+            return std::pair(std::move(reprojection), std::move(answered));
+        };
+        VisibilityBuffer told, untold;
+        const auto [with, answered] = run(true, told);
+        const auto [without, unaware] = run(false, untold);
+        std::uint64_t cast_for_it = 0, wrong_in_box = 0, wrong_untold = 0;
+        visit_pixels([&](int x, int y) {
+            const std::size_t at = told.index(x, y);
+            const auto is_answered = [&](const Reprojection& reprojection) {
+                const PixelCause cause = reprojection.causes().at(x, y);
+                return cause == PixelCause::verified || cause == PixelCause::background;
+            };
+            const auto meets = [&](double depth) {
+                return meets_segment(world.box, view.position, depth * DVec3(view.direction(x, y)));
+            };
+            if (is_answered(*with)) {
+                // No answer lies behind the box, and what is answered is what would have been.
+                EXPECT_FALSE(meets(std::min(double(answered.depth[at]), 1e9) * 0.9999)) << x << ' ' << y;
+            } else if (is_answered(*without)) {
+                ++cast_for_it;
+                EXPECT_TRUE(meets(std::min(double(unaware.depth[at]), 1e9) * 1.0001) || !appears) << x << ' ' << y;
+            }
+            if (!meets(1e9)) return;
+            wrong_in_box += is_wrong_pixel(told, truth, at);
+            wrong_untold += is_wrong_pixel(untold, truth, at);
+        });
+        EXPECT_GT(cast_for_it, appears ? 300u : 10u);
+        EXPECT_EQ(wrong_in_box, 0u) << (appears ? "a box appears" : "a box goes");
+        if (appears) {
+            EXPECT_GT(wrong_untold, 300u) << "the box is not where the test wants it";
+        }
+    }
+}
+
+TEST(Reproject, shifted_origins_pass_over_hardly_anything_that_is_seen) {
+    for (const NamedWorld& world : worlds()) {
+        Camera to = street_camera();
+        to.position += world_from_camera(to) * DVec3(0.02, 0.01, -0.1);
+        std::uint64_t wrong[2]{}, shifted = 0;
+        for (const bool shift : {false, true}) {
+            const ReprojectSettings settings{.resample_period = 0, .shift_origin = shift};
+            TwoFrames frames(world.data.view(), street_camera(), to, settings);
+            ASSERT_TRUE(frames.has_landed);
+            if (shift) {
+                visit_pixels([&](int x, int y) {
+                    const std::size_t at = frames.out.index(x, y);
+                    const PixelCause cause = frames.cause(x, y);
+                    if (cause == PixelCause::verified || cause == PixelCause::background) return;
+                    EXPECT_GE(frames.out.depth[at], 0.0f);
+                    shifted += frames.out.depth[at] > 0.0f;
+                });
+                for (const bool beams : {true, false}) {
+                    const auto caster = beams ? make_beam_caster(frames.scene) : make_embree_caster(frames.scene);
+                    VisibilityBuffer out = frames.out;
+                    caster->cast_tiles_beyond(frames.view, frames.left, out);
+                    wrong[1] = std::max(wrong[1], count_wrong_pixels(out, frames.truth));
+                }
+            } else {
+                wrong[0] = frames.finish();
+            }
+        }
+        EXPECT_GT(shifted, 0u) << world.name;
+        EXPECT_LE(wrong[1], wrong[0] + kWidth * kHeight / 2000) << world.name;
+    }
+}
+
+TEST(Reproject, casters_may_begin_behind_what_is_known_not_to_be_there) {
+    // A post before a wall: rays that begin behind the post see the wall.
+    const scene::SceneData data = hidden_post_world();
+    Camera camera;
+    const PinholeView view = make_view(camera, kWidth, kHeight);
+    const auto tiles = whole_image();
+    for (const bool beams : {true, false}) {
+        const auto caster = beams ? make_beam_caster(data.view()) : make_embree_caster(data.view());
+        VisibilityBuffer from_eye, from_zero, beyond;
+        for (VisibilityBuffer* buffer : {&from_eye, &from_zero, &beyond}) buffer->resize(kWidth, kHeight);
+        caster->cast_tiles(view, tiles, from_eye);
+        std::fill(from_zero.depth.begin(), from_zero.depth.end(), 0.0f);
+        caster->cast_tiles_beyond(view, tiles, from_zero);
+        std::fill(beyond.depth.begin(), beyond.depth.end(), 12.0f);
+        caster->cast_tiles_beyond(view, tiles, beyond);
+        std::uint64_t posts = 0;
+        visit_pixels([&](int x, int y) {
+            const std::size_t at = beyond.index(x, y);
+            EXPECT_EQ(from_zero.instance[at], from_eye.instance[at]);
+            EXPECT_EQ(from_zero.triangle[at], from_eye.triangle[at]);
+            EXPECT_EQ(from_zero.depth[at], from_eye.depth[at]);
+            posts += from_eye.depth[at] < 12.0f;
+            if (from_eye.depth[at] >= 12.0f) {
+                EXPECT_EQ(beyond.depth[at], from_eye.depth[at]);
+            } else if (!beams) {
+                EXPECT_GT(beyond.depth[at], 12.0f);
+            }
+        });
+        EXPECT_GT(posts, 500u);
+    }
+}
+
 TEST(Reproject, workers_change_nothing) {
     const scene::SceneData forest = test::make_forest({.trees = 60, .size_m = 60, .masked = true, .leaves = 60});
     Camera to = street_camera();
@@ -319,7 +465,7 @@ TEST(Reproject, workers_change_nothing) {
 
 TEST(Reproject, every_pixel_is_due_once_in_a_period) {
     for (const int period : {1, 4, 9, 16, 25, 64})
-        for (const int block : {1, 2, 4, 8, 16}) {
+        for (const int block : {1, 2, 4, 8, 16, 32}) {
             const ReprojectSettings settings{.resample_period = period, .resample_block_px = block};
             for (int tile_y = 0; tile_y < 4; ++tile_y)
                 for (int tile_x = 0; tile_x < 4; ++tile_x) {

@@ -46,7 +46,7 @@ void spoil(test::Random& random, farfield::ReprojectSettings& settings) {
             settings.resample_period = random.below(2) == 0 ? -1 : 65;
             break;
         case 3:
-            settings.resample_block_px = random.below(2) == 0 ? 0 : 32;
+            settings.resample_block_px = random.below(2) == 0 ? 0 : 64;
             break;
         case 4:
             settings.resample_block_px = 3;

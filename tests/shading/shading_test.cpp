@@ -111,6 +111,34 @@ TEST(shading, the_fast_pass_equals_the_scalar_reference_in_random_worlds) {
     EXPECT_LE(large, compared / 10000);
 }
 
+TEST(shading, any_share_of_the_sun_is_shaded_as_the_reference_says) {
+    int compared = 0, large = 0;
+    for (std::uint32_t seed = 0; seed < 6; ++seed) {
+        scene::SceneData world = make_material_world(seed);
+        const scene::StaticScene scene = world.view();
+        Random random(2000 + seed);
+        const PinholeView view = random_view(random, scene.bounds);
+        const VisibilityBuffer visibility = cast_view(scene, view);
+        std::vector<std::uint8_t> seen(visibility.instance.size());
+        for (std::uint8_t& share : seen)  // mostly all or nothing, as rays say
+            share = std::uint8_t(random.below(3) == 0 ? random.below(256) : 255 * random.below(2));
+        for (const float beyond : {std::numeric_limits<float>::infinity(), 10.0f}) {
+            const ShadeSettings settings{.prelit_beyond_m = beyond, .sun_seen = seen.data()};
+            const Difference d = compare_with_reference(scene, view, visibility,
+                                                        shade_view(scene, view, visibility, settings), settings);
+            compared += d.compared;
+            large += d.large;
+        }
+        // Who sees all of it is shaded as if nobody had asked.
+        std::fill(seen.begin(), seen.end(), std::uint8_t(255));
+        EXPECT_LE(largest_difference(shade_view(scene, view, visibility),
+                                     shade_view(scene, view, visibility, {.sun_seen = seen.data()})),
+                  1);
+    }
+    EXPECT_GT(compared, 300000);
+    EXPECT_LE(large, compared / 10000);
+}
+
 TEST(shading, beyond_the_prelit_distance_a_triangle_has_one_colour) {
     int compared = 0, large = 0;
     for (std::uint32_t seed = 0; seed < 4; ++seed) {

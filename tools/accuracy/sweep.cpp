@@ -140,6 +140,7 @@ Result<Sweep> sweep(const Bench& bench, int pairs) {
     }
     for (const frame::Knob& knob : frame::knobs()) {
         if (knob.needs_gl && !bench.scene.has_gl) continue;
+        if (knob.needs_sun && !bench.scene.world.scene().environment.sun_shadows) continue;
         std::vector<KnobSettings> settings;
         for (const frame::KnobValue& v : knob.values) settings.push_back({{std::string(knob.name), v.value}});
         KnobCurve curve{.knob = &knob};

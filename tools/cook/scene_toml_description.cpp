@@ -29,6 +29,7 @@ void read_sun_and_sky(TomlTable& root, TomlReport& report, SceneDescription& sce
         azimuth = sun.number("azimuth_deg", azimuth, -360, 360);
         elevation = sun.number("elevation_deg", elevation, -90, 90);
         strength = sun.number("strength", strength, 0, 100);
+        scene.environment.sun_shadows = sun.boolean("shadows", false);
         sun.finish();
         // Azimuth is clockwise from north (-z) towards east (+x).
         const double a = radians_of(azimuth), e = radians_of(elevation);

@@ -69,7 +69,7 @@ nlohmann::json Times::report() const {
 nlohmann::json report_of(const ModeRun& run, std::size_t frames, int laps) {
     frame::PixelCounts pixels;
     double rays = 0, nodes = 0, tested = 0, near_triangles = 0, near_draws = 0, shaded = 0, layers = 0, near_m = 0,
-           stale = 0;
+           stale = 0, sun_rays = 0, sun_reused = 0;
     double resolution = 0, least_resolution = 1;
     double parallax_p99 = 0, parallax_max = 0;
     for (const frame::FrameStats& stats : run.stats) {
@@ -89,6 +89,8 @@ nlohmann::json report_of(const ModeRun& run, std::size_t frames, int laps) {
         near_draws += double(stats.near_draws);
         shaded += double(stats.shaded_pixels);
         layers += double(stats.layers);
+        sun_rays += double(stats.sun_rays);
+        sun_reused += double(stats.sun_reused);
         near_m += stats.near_m;
         parallax_p99 = std::max(parallax_p99, double(stats.parallax_p99_px));
         parallax_max = std::max(parallax_max, double(stats.parallax_max_px));
@@ -124,6 +126,8 @@ nlohmann::json report_of(const ModeRun& run, std::size_t frames, int laps) {
             {"traversal_steps_per_ray", per_ray(nodes)},
             {"shaded_pixels_per_frame", shaded / n},
             {"layers_per_frame", layers / n},
+            {"sun_rays_per_frame", sun_rays / n},
+            {"sun_reused_per_frame", sun_reused / n},
             {"near_triangles_per_frame", near_triangles / n},
             {"near_draws_per_frame", near_draws / n},
             {"near_m_mean", std::isfinite(near_m) ? nlohmann::json(near_m / n) : nlohmann::json(nullptr)},
@@ -136,15 +140,18 @@ nlohmann::json report_of(const ModeRun& run, std::size_t frames, int laps) {
 }
 
 nlohmann::json ratios_of(const std::vector<ModeRun>& runs) {
-    constexpr std::array<std::array<const char*, 2>, 9> kPairs{{{"raster", "hybrid"},
-                                                                {"raycast", "hybrid"},
-                                                                {"orsa", "hybrid"},
-                                                                {"beam", "hybrid"},
-                                                                {"orsa", "beam"},
-                                                                {"beam", "irsa"},
-                                                                {"orsa", "reproject"},
-                                                                {"reproject", "irsa"},
-                                                                {"orsa", "irsa"}}};
+    constexpr std::array<std::array<const char*, 2>, 12> kPairs{{{"raster", "hybrid"},
+                                                                 {"raycast", "hybrid"},
+                                                                 {"orsa", "hybrid"},
+                                                                 {"beam", "hybrid"},
+                                                                 {"orsa", "beam"},
+                                                                 {"beam", "irsa"},
+                                                                 {"orsa", "reproject"},
+                                                                 {"reproject", "irsa"},
+                                                                 {"orsa", "irsa"},
+                                                                 {"orsa", "beam-reuse"},
+                                                                 {"beam", "beam-reuse"},
+                                                                 {"beam-reuse", "hybrid"}}};
     const auto find = [&](const char* name) {
         return std::find_if(runs.begin(), runs.end(), [&](const ModeRun& run) { return run.name == name; });
     };

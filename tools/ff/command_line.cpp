@@ -19,6 +19,9 @@ const std::map<std::string, frame::OpacityKind> kOpacityKinds{{"auto", frame::Op
                                                               {"software", frame::OpacityKind::software},
                                                               {"readback", frame::OpacityKind::readback}};
 
+const std::map<std::string, frame::SunShadows> kSunShadows{
+    {"scene", frame::SunShadows::by_scene}, {"off", frame::SunShadows::off}, {"on", frame::SunShadows::on}};
+
 /// WIDTHxHEIGHT, both in [16, 8192].
 std::string parse_size(const std::string& text, ImageSize& size) {
     int width = 0, height = 0;
@@ -63,6 +66,8 @@ void add_reproject_options(CLI::App& app, frame::FrameSettings& settings) {
            "Mode reproject without some of its checks: frustum,occlusion,resampling,abrupt,background,vote")
         ->delimiter(',')
         ->check(CLI::IsMember({"frustum", "occlusion", "resampling", "abrupt", "background", "vote"}));
+    app.add_flag("--reproject-shift", settings.reproject.shift_origin,
+                 "Rays of pixels that fail begin where points landed around them (P3 5.3)");
     app.add_option("--reproject-count", settings.reproject.min_count,
                    "Points around a pixel that must vote for its hit (P3's m_cnt)")
         ->check(CLI::Range(0, 9));
@@ -77,7 +82,7 @@ void add_reproject_options(CLI::App& app, frame::FrameSettings& settings) {
         ->check(CLI::Range(0, 64));
     app.add_option("--reproject-block", settings.reproject.resample_block_px,
                    "Pixels that are cast for it lie in blocks of this side")
-        ->check(CLI::IsMember({1, 2, 4, 8, 16}));
+        ->check(CLI::IsMember({1, 2, 4, 8, 16, 32}));
     app.add_option("--reproject-caster", settings.reproject_caster,
                    "Who casts the tiles that mode reproject leaves: beam, embree or grid; single pixels go to Embree")
         ->transform(CLI::CheckedTransformer(kCasters, CLI::ignore_case).description(""));
@@ -104,8 +109,9 @@ void add_view_options(CLI::App& app, ViewOptions& view, bool with_mode) {
     add_scene_options(app, view);
     auto& settings = view.frame;
     if (with_mode)
-        app.add_option("--mode", settings.mode,
-                       "How frames are drawn: hybrid, raster, raycast (= orsa), near, beam, reproject or irsa")
+        app.add_option(
+               "--mode", settings.mode,
+               "How frames are drawn: hybrid, raster, raycast (= orsa), near, beam, beam-reuse, reproject or irsa")
             ->transform(CLI::CheckedTransformer(mode_names(), CLI::ignore_case).description(""));
     app.add_option("--budget-ms", settings.budget_ms,
                    "Keep frames within this time by giving up accuracy; 0: exact frames")
@@ -130,6 +136,13 @@ void add_view_options(CLI::App& app, ViewOptions& view, bool with_mode) {
         ->check(number_in(0.0, 1e6));
     app.add_option("--opacity", settings.opacity, "Opacity buffer: auto, software or readback")
         ->transform(CLI::CheckedTransformer(kOpacityKinds, CLI::ignore_case).description(""));
+    app.add_option("--sun-shadows", settings.sun_shadows, "Sun shadows: scene (as its [sun] says), off or on")
+        ->transform(CLI::CheckedTransformer(kSunShadows, CLI::ignore_case).description(""));
+    app.add_flag("--no-sun-reuse{false}", settings.reuse_sun,
+                 "Cast a ray towards the sun from every pixel in every frame");
+    app.add_option("--sun-refresh", settings.sun_refresh_frames,
+                   "Frames in which reused light is looked at anew at least once; 0: never")
+        ->check(CLI::Range(0, 255));
     add_reproject_options(app, settings);
     app.add_flag("--no-panorama{false}", settings.use_panorama, "Never reuse the panoramic cache");
     app.add_flag("--no-occlusion{false}", view.use_occlusion, "Draw near instances that others hide, too");
@@ -172,8 +185,9 @@ int run(int argc, const char* const* argv) {
     add_view_options(*render_app, render.view, true);
     render_app->add_option("--frame", render.frame, "Frame of the walkthrough, from 0")->check(CLI::Range(0, 1000000));
     render_app
-        ->add_option("--debug", render.debug_view, "Draw a debug view instead: sources, age, border, causes or work")
-        ->check(CLI::IsMember({"sources", "age", "border", "causes", "work"}));
+        ->add_option("--debug", render.debug_view,
+                     "Draw a debug view instead: sources, age, light, border, causes or work")
+        ->check(CLI::IsMember({"sources", "age", "light", "border", "causes", "work"}));
     render_app->add_option("-o,--output", render.output, "Image to write (.png, .exr, .jpg ...)")->required();
 
     WalkOptions walk;
@@ -192,7 +206,8 @@ int run(int argc, const char* const* argv) {
     auto* bench_app = app.add_subcommand("bench", "Time the modes lap by lap and print one JSON object");
     add_view_options(*bench_app, bench.view, false);
     bench_app
-        ->add_option("--modes", bench.modes, "Modes to compare: hybrid,raster,raycast,near,beam,orsa,reproject,irsa")
+        ->add_option("--modes", bench.modes,
+                     "Modes to compare: hybrid,raster,raycast,near,beam,beam-reuse,orsa,reproject,irsa")
         ->delimiter(',')
         ->check(CLI::IsMember(mode_names()));
     bench_app->add_option("--laps", bench.laps, "Laps of each mode")->check(CLI::Range(1, 1000))->capture_default_str();

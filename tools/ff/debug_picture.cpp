@@ -64,6 +64,19 @@ void paint_texel_ages(const frame::Renderer& renderer, shading::Image& image) {
     debug::paint_ages(ages, image.width, image.height, image.stride, kOldFrames, image);
 }
 
+void paint_light_ages(const frame::Renderer& renderer, shading::Image& image) {
+    constexpr std::uint16_t kOldFrames = 32;
+    const frame::FrameHistory& history = renderer.history();
+    std::vector<std::uint16_t> ages(image.pixels.size(), debug::kNoAge);
+    for (int row = 0; row < image.height && history.sun; ++row)
+        for (int column = 0; column < image.width; ++column) {
+            const auto [x, y] = drawn_pixel(history, image, column, row);
+            const int age = history.sun->history.age(x, y);
+            if (age >= 0) ages[std::size_t(row) * std::size_t(image.stride) + std::size_t(column)] = std::uint16_t(age);
+        }
+    debug::paint_ages(ages, image.width, image.height, image.stride, kOldFrames, image);
+}
+
 void paint_causes(const frame::Renderer& renderer, shading::Image& image) {
     const frame::FrameHistory& history = renderer.history();
     std::vector<farfield::PixelCause> causes(image.pixels.size(), farfield::PixelCause::failed);
@@ -104,6 +117,8 @@ void draw_debug_view(DebugView view, const frame::Renderer& renderer, frame::Cas
         }
         case DebugView::age:
             return paint_texel_ages(renderer, image);
+        case DebugView::light:
+            return paint_light_ages(renderer, image);
         case DebugView::causes:
             return paint_causes(renderer, image);
         case DebugView::work:

@@ -22,6 +22,8 @@ nlohmann::json to_json(const frame::FrameStats& stats) {
             {"near_triangles", stats.near_triangles},
             {"shaded_pixels", stats.shaded_pixels},
             {"layers", stats.layers},
+            {"sun_rays", stats.sun_rays},
+            {"sun_reused", stats.sun_reused},
             {"near_m", std::isfinite(stats.near_m) ? nlohmann::json(stats.near_m) : nlohmann::json(nullptr)},
             {"panorama_parallax_px", {{"p99", stats.parallax_p99_px}, {"max", stats.parallax_max_px}}}};
 }
