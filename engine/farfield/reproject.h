@@ -137,7 +137,7 @@ class Reprojection {
                    const ReprojectSettings& settings);
 
     /// Intersects each pixel with what landed around it, after reproject() returned true.
-    /// @param frame  in: what was `last`; out: verified and background pixels of this frame, nothing of meaning
+    /// @param frame  in: `last`, or a copy; out: verified and background pixels of this frame, nothing of meaning
     ///               elsewhere. The two lie in different memory, which changes hands
     /// @param left   tiles of all other pixels, for cast_left_over() with the settings' shift_origin
     ReprojectCounts verify(const PinholeView& view, const ReprojectSettings& settings, std::uint64_t frame_number,

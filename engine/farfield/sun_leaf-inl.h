@@ -25,7 +25,7 @@ namespace ff::farfield::beam {
 namespace HWY_NAMESPACE {
 namespace {
 
-constexpr int kFewForLeaf = 4;  // points that are asked one by one, eight triangles at a time
+constexpr int kFewForLeaf = 8;  // points that are asked one by one, eight triangles at a time
 
 // A leaf's triangles in light space.
 struct alignas(64) LightLeaf {

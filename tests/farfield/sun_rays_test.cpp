@@ -5,6 +5,8 @@
 #include <fmt/core.h>
 #include <gtest/gtest.h>
 
+#include <hwy/highway.h>
+
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
@@ -309,6 +311,28 @@ TEST(SunRays, the_number_of_workers_changes_nothing) {
         EXPECT_EQ(pictures.back().cost.nodes, pictures.front().cost.nodes);
         EXPECT_EQ(pictures.back().cost.triangles, pictures.front().cost.triangles);
     }
+}
+
+TEST(SunRays, every_instruction_set_sees_the_same_sun) {
+    const SceneData forest = test::make_forest({.trees = 150, .size_m = 100});
+    const SceneData sphere = test::make_closed_sphere(10.0, 40, 0.2);
+    const Camera camera{.position = {3, 4, 5}, .yaw = 0.7, .pitch = -0.1};
+    const Picture best = make_picture(forest.view(), camera, kAfternoon);
+    for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
+        hwy::SetSupportedTargetsForTest(target);
+        hwy::GetChosenTarget().DeInit();
+        std::vector<std::uint8_t> lit(best.lit.size(), kUntouched);
+        SunRays(forest.view())
+            .cast(best.view, best.visibility, test::all_tiles(best.view.width, best.view.height), {}, kAfternoon,
+                  lit.data());
+        int different = 0;
+        for (std::size_t i = 0; i < lit.size(); ++i) different += lit[i] != best.lit[i];
+        EXPECT_LT(different, 5) << hwy::TargetName(target);  // rounding at edges and at texels' borders
+        for (const std::uint8_t inside : make_picture(sphere.view(), Camera{}, kAfternoon, 160, 112).lit)
+            ASSERT_EQ(inside, 0) << hwy::TargetName(target);
+    }
+    hwy::SetSupportedTargetsForTest(0);
+    hwy::GetChosenTarget().DeInit();
 }
 
 TEST(SunRays, only_what_was_asked_for_is_written) {

@@ -112,6 +112,23 @@ TEST_F(FrameTest, reprojection_goes_on_at_any_resolution_and_starts_anew_where_t
     }
 }
 
+TEST_F(FrameTest, a_changed_region_is_cast_again_in_the_next_frame_and_only_then) {
+    Renderer renderer(scene, casters, nullptr, kWidth, kHeight);
+    shading::Image image;
+    const FrameSettings settings{.mode = Mode::reproject};
+    const auto answered = [&] {
+        const PixelCounts& pixels = renderer.draw(street_camera(0.3), {}, settings, image).pixels;
+        return pixels.sky + pixels.verified;
+    };
+    renderer.region_changed(scene.bounds);  // nothing is known yet
+    answered();
+    const std::uint64_t usual = answered();
+    EXPECT_GE(usual, std::uint64_t(0.8 * kWidth * kHeight));
+    renderer.region_changed(scene.bounds);
+    EXPECT_LT(answered(), usual / 2) << "sky past the scene's box alone";
+    EXPECT_GE(answered(), usual - usual / 20);
+}
+
 TEST_F(FrameTest, images_of_any_size_are_drawn_alike_in_every_mode) {
     const scene::StaticScene nothing;
     Casters no_casters(nothing);

@@ -105,6 +105,7 @@ class Street {
     /// @return whether anything could be reprojected
     bool reproject(const Step& step, const farfield::ReprojectSettings& settings) {
         if (!reprojection_.reproject(step.last, last_, step.now, settings)) return false;
+        out_ = last_;
         reprojection_.verify(step.now, settings, 5, out_, left_);
         return true;
     }
