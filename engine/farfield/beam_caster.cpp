@@ -16,7 +16,7 @@ namespace beam {
 
 BeamView::BeamView(const PinholeView& pinhole)
     : view(pinhole),
-      camera_from_world(glm::transpose(DMat3(pinhole.world_from_camera))),
+      camera_from_world(glm::inverse(DMat3(pinhole.world_from_camera))),
       pixel_angle(pinhole.pixel_angle()) {}
 
 AlphaRays BeamView::alpha_rays(int x, int y) const {

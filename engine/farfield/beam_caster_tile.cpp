@@ -23,8 +23,10 @@ HWY_INLINE void prefetch_materials(const scene::StaticScene& scene, const BvhLea
     const scene::Mesh& mesh = scene.meshes[scene.instances[instance].mesh];
     const std::size_t first = std::size_t(mesh.first_triangle) + leaf.first_triangle;
     __builtin_prefetch(&scene.triangle_materials[first]);
-    for (std::size_t index = 0; index < 3 * std::size_t(leaf.triangle_count); index += 64 / sizeof(std::uint32_t))
-        __builtin_prefetch(&scene.indices[3 * first + index]);
+    // Lines, counted as if the leaf were full: how many it has is not worth a branch.
+    constexpr std::size_t kLine = 64 / sizeof(std::uint32_t);
+    const std::uint32_t* indices = &scene.indices[3 * first];
+    for (std::size_t index = 0; index < 3 * BvhLeaf::kMaxTriangles; index += kLine) __builtin_prefetch(indices + index);
 }
 
 HWY_NOINLINE void draw_leaf(const scene::StaticScene& scene, const BvhLeaf& leaf, std::uint32_t instance,
@@ -51,7 +53,10 @@ HWY_NOINLINE void draw_leaf(const scene::StaticScene& scene, const BvhLeaf& leaf
             draw<false>(s, i, instance, triangle, tile, nullptr);
         }
     }
-    if (tile.first_changed <= tile.last_changed) find_farthest(tile);
+    if (tile.changed_cells != 0) {
+        find_farthest(tile, tile.changed_cells);
+        tile.changed_cells = 0;
+    }
 }
 
 }  // namespace

@@ -11,7 +11,6 @@
 
 #include <bit>
 #include <cstdint>
-#include <optional>
 
 #include "engine/farfield/alpha_test.h"
 #include "engine/farfield/beam_setup-inl.h"
@@ -21,6 +20,15 @@ namespace ff::farfield::beam {
 namespace HWY_NAMESPACE {
 namespace {
 
+// Room for a surface that most triangles never need: it is large, so nothing of it is touched before.
+struct LateSurface {
+    bool is_known = false;
+    union {
+        AlphaSurface value;
+    };
+    LateSurface() {}
+};
+
 // A see-through triangle of a leaf, looked up once one of its pixels may win.
 struct AlphaDraw {
     const scene::StaticScene& scene;
@@ -28,7 +36,7 @@ struct AlphaDraw {
     const AlphaRays& rays;
     const BvhLeaf& leaf;  // whose i-th triangle it is
     int i;
-    std::optional<AlphaSurface> surface;  // not touched until then: it is large
+    LateSurface surface;
 };
 
 HWY_INLINE VI texel_of(VF coordinate, std::uint32_t size, scene::Wrap wrap) {
@@ -87,6 +95,13 @@ HWY_INLINE VF threshold_of(std::uint32_t seed, VI x, VI y) {
     return hn::Mul(hn::ConvertTo(f, k), hn::Set(f, 1.0f / 16777216.0f));
 }
 
+// level_offset() of scene/texel_address.h: a geometric series while no side is at its last texel.
+HWY_INLINE std::size_t offset_of(const scene::Texture& texture, std::uint32_t level) {
+    const std::size_t width = texture.width >> level, height = texture.height >> level;
+    if (width == 0 || height == 0) return scene::level_offset(texture, level);
+    return 4 * (std::size_t(texture.width) * texture.height - width * height) / 3;
+}
+
 // Whether the four texels around a point have an alpha of 1.
 HWY_INLINE MF all_four_filled(const std::uint32_t* texels, std::int32_t width, VF u, VF v,
                               const scene::Texture& texture, std::int32_t level) {
@@ -115,16 +130,17 @@ HWY_INLINE MF lanes_in_layer(const AlphaRays& rays, VF x, VF y, VF inverse_depth
 // for a register of pixels. x_at, y_at: the pixels; e: their edge functions.
 HWY_NOINLINE MF opaque_lanes(MF win, AlphaDraw& draw, const LeafScratch& s, int i, VF x_at, VF y_at, const VF (&e)[3],
                              VF inverse_depth) {
-    if (!draw.surface) {
+    if (!draw.surface.is_known) {
         const scene::Instance& instance = draw.scene.instances[draw.instance];
         Vec3 corners[3];
         for (int k = 0; k < 3; ++k) {
             const int v = draw.leaf.corner[k][draw.i];
             corners[k] = {draw.leaf.x[v], draw.leaf.y[v], draw.leaf.z[v]};
         }
-        draw.surface.emplace(make_alpha_surface(draw.scene, instance, draw.instance, draw.triangle, corners));
+        draw.surface.value = make_alpha_surface(draw.scene, instance, draw.instance, draw.triangle, corners);
+        draw.surface.is_known = true;
     }
-    const AlphaSurface& surface = *draw.surface;
+    const AlphaSurface& surface = draw.surface.value;
     if (!surface.is_see_through) return win;
     MF in_layer = hn::MaskFromVec(hn::Zero(f)), solid = win;
     if (surface.is_blended && draw.rays.blend_within_m > 0.0f) {
@@ -135,8 +151,12 @@ HWY_NOINLINE MF opaque_lanes(MF win, AlphaDraw& draw, const LeafScratch& s, int 
         }
         if (hn::AllFalse(f, win)) return win;
     }
-    const VF w0 = hn::Mul(e[0], hn::Set(f, s.weight[0][i])), w1 = hn::Mul(e[1], hn::Set(f, s.weight[1][i]));
-    const VF w2 = hn::Mul(e[2], hn::Set(f, s.weight[2][i]));
+    // Barycentrics by the edges as they are: of a triangle smaller than a pixel their widening is a good part of a
+    // texel.
+    const auto weight_of = [&](int k) {
+        return hn::Mul(hn::Sub(e[k], hn::Set(f, s.widening[k][i])), hn::Set(f, s.weight[k][i]));
+    };
+    const VF w0 = weight_of(0), w1 = weight_of(1), w2 = weight_of(2);
     const VF inverse_sum = hn::Div(hn::Set(f, 1.0f), hn::Add(w0, hn::Add(w1, w2)));
     const VF b1 = hn::Mul(w1, inverse_sum), b2 = hn::Mul(w2, inverse_sum);
     const VF b0 = hn::Sub(hn::Sub(hn::Set(f, 1.0f), b1), b2);
@@ -167,7 +187,7 @@ HWY_NOINLINE MF opaque_lanes(MF win, AlphaDraw& draw, const LeafScratch& s, int 
             const VI level_x = texel_of(u, width, texture.wrap_u);
             const VI level_y = texel_of(v, std::max(1u, texture.height >> level), texture.wrap_v);
             const VI index = hn::Add(hn::Mul(level_y, hn::Set(si, std::int32_t(width))), level_x);
-            const auto* first = surface.texels + scene::level_offset(texture, std::uint32_t(level));
+            const auto* first = surface.texels + offset_of(texture, std::uint32_t(level));
             const VI texel = hn::GatherIndex(si, reinterpret_cast<const std::int32_t*>(first), index);
             const VF level_alpha = hn::ConvertTo(f, hn::BitCast(si, hn::ShiftRight<24>(hn::BitCast(ui, texel))));
             texture_alpha = hn::IfThenElse(here, level_alpha, texture_alpha);
@@ -316,10 +336,7 @@ HWY_INLINE void draw(const LeafScratch& s, int i, std::uint32_t instance, std::u
             }
         }
     }
-    if (has_won) {
-        tile.first_changed = std::min(tile.first_changed, y0);
-        tile.last_changed = std::max(tile.last_changed, y1);
-    }
+    if (has_won) tile.changed_cells |= cells_of(x0, x1, y0, y1);
 }
 
 }  // namespace

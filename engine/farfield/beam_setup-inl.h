@@ -31,6 +31,7 @@ struct alignas(64) LeafScratch {
     float x[32], y[32], iw[32];    // projected
     float hx[32], hy[32], hw[32];  // homogeneous; filled only where a vertex cannot be projected
     float a[3][16], b[3][16], c[3][16];
+    float widening[3][16];         // what of c is not the edge's own
     float gx[16], gy[16], g0[16];  // 1/depth as a plane over the tile
     float low[16], high[16];       // its range over the triangle
     float weight[3][16];           // edge function to (unnormalised) barycentric
@@ -64,32 +65,47 @@ HWY_INLINE VF lookup(const float* HWY_RESTRICT table, VI index, int count) {
     }
 }
 
-// Stores a register of tile-space vertices from entry `at` on; true in lanes that could be projected.
-HWY_INLINE MF store_vertices(VF hx, VF hy, VF hw, LeafScratch& s, int at) {
+// Stores a register of vertices from entry `at` on, projected; true in lanes that could be.
+HWY_INLINE MF store_projected(VF hx, VF hy, VF hw, LeafScratch& s, int at) {
     const VF limit = hn::Set(f, kMaxProjected);
     const VF iw = hn::Div(hn::Set(f, 1.0f), hw);
     const VF px = hn::Mul(hx, iw), py = hn::Mul(hy, iw);
     hn::StoreU(px, f, s.x + at);
     hn::StoreU(py, f, s.y + at);
     hn::StoreU(iw, f, s.iw + at);
+    return hn::And(hn::Gt(hw, hn::Set(f, kMinW)), hn::And(hn::Le(hn::Abs(px), limit), hn::Le(hn::Abs(py), limit)));
+}
+
+HWY_INLINE void store_homogeneous(VF hx, VF hy, VF hw, LeafScratch& s, int at) {
     hn::StoreU(hx, f, s.hx + at);
     hn::StoreU(hy, f, s.hy + at);
     hn::StoreU(hw, f, s.hw + at);
-    return hn::And(hn::Gt(hw, hn::Set(f, kMinW)), hn::And(hn::Le(hn::Abs(px), limit), hn::Le(hn::Abs(py), limit)));
+}
+
+// Both; true in lanes that could be projected.
+HWY_INLINE MF store_vertices(VF hx, VF hy, VF hw, LeafScratch& s, int at) {
+    store_homogeneous(hx, hy, hw, s, at);
+    return store_projected(hx, hy, hw, s, at);
 }
 
 // Fills the tile-space vertices; true when all of them could be projected.
 HWY_INLINE bool transform_vertices(const BvhLeaf& leaf, const Linear (&xyw)[3], LeafScratch& s) {
+    const auto for_each = [&](auto&& store) HWY_ATTR {
+        for (int v = 0; v < leaf.vertex_count; v += kLanes) {
+            const VF x = hn::Load(f, leaf.x + v), y = hn::Load(f, leaf.y + v), z = hn::Load(f, leaf.z + v);
+            const auto apply = [&](const Linear& l) HWY_ATTR {
+                return hn::MulAdd(hn::Set(f, l.x), x,
+                                  hn::MulAdd(hn::Set(f, l.y), y, hn::MulAdd(hn::Set(f, l.z), z, hn::Set(f, l.c))));
+            };
+            store(apply(xyw[0]), apply(xyw[1]), apply(xyw[2]), v);
+        }
+    };
     MF projected = hn::MaskFromVec(hn::BitCast(f, hn::Set(si, -1)));
-    for (int v = 0; v < leaf.vertex_count; v += kLanes) {
-        const VF x = hn::Load(f, leaf.x + v), y = hn::Load(f, leaf.y + v), z = hn::Load(f, leaf.z + v);
-        const auto apply = [&](const Linear& l) {
-            return hn::MulAdd(hn::Set(f, l.x), x,
-                              hn::MulAdd(hn::Set(f, l.y), y, hn::MulAdd(hn::Set(f, l.z), z, hn::Set(f, l.c))));
-        };
-        projected = hn::And(projected, store_vertices(apply(xyw[0]), apply(xyw[1]), apply(xyw[2]), s, v));
-    }
-    return hn::AllTrue(f, projected);
+    for_each([&](VF hx, VF hy, VF hw, int v)
+                 HWY_ATTR { projected = hn::And(projected, store_projected(hx, hy, hw, s, v)); });
+    if (HWY_LIKELY(hn::AllTrue(f, projected))) return true;
+    for_each([&](VF hx, VF hy, VF hw, int v) HWY_ATTR { store_homogeneous(hx, hy, hw, s, v); });
+    return false;
 }
 
 struct Corner {
@@ -103,11 +119,17 @@ struct Edge {
     VF error;    // to be added to c
 };
 
+// The constant is that of the edge's middle, not the cross product of its vertices: where an edge is short, as most in
+// the distance are, that would be the small difference of two large numbers.
 HWY_INLINE Edge projected_edge(const Corner& p, const Corner& q) {
-    const VF u = hn::Mul(p.x, q.y), v = hn::Mul(p.y, q.x);
-    Edge e{hn::Sub(p.y, q.y), hn::Sub(q.x, p.x), hn::Sub(u, v), hn::Zero(f)};
-    const VF terms = hn::Add(hn::Add(hn::Abs(u), hn::Abs(v)),
-                             hn::Mul(hn::Add(hn::Abs(e.a), hn::Abs(e.b)), hn::Set(f, float(kBeamSize / 2))));
+    const VF half = hn::Set(f, 0.5f);
+    const VF x = hn::Mul(half, hn::Add(p.x, q.x)), y = hn::Mul(half, hn::Add(p.y, q.y));
+    Edge e{hn::Sub(p.y, q.y), hn::Sub(q.x, p.x), hn::Zero(f), hn::Zero(f)};
+    const VF b_y = hn::Mul(e.b, y);
+    e.c = hn::NegMulSub(e.a, x, b_y);
+    const VF reach = hn::Set(f, float(kBeamSize / 2));
+    const VF terms =
+        hn::MulAdd(hn::Abs(e.a), hn::Add(reach, hn::Abs(x)), hn::Mul(hn::Abs(e.b), hn::Add(reach, hn::Abs(y))));
     e.error = hn::Mul(terms, hn::Set(f, kEdgeError));
     return e;
 }
@@ -333,6 +355,7 @@ HWY_NOINLINE std::uint32_t set_up(const BvhLeaf& leaf, int first, const Tile& ti
         hn::Store(e[k].b, f, s.b[k] + first);
         hn::Store(kWidened ? e[k].c : plain_c[k], f, s.c[k] + first);
         hn::Store(scale[k], f, s.weight[k] + first);
+        if constexpr (kWidened) hn::Store(e[k].error, f, s.widening[k] + first);
     }
     hn::Store(gx, f, s.gx + first);
     hn::Store(gy, f, s.gy + first);

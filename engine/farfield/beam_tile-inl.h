@@ -68,7 +68,8 @@ struct Tile {
     alignas(64) std::uint32_t triangle[kBeamSize * kRowStride];
     alignas(64) float cell_best[kCells][kCells];                           // of the farthest pixel, row by row
     float begin = 0;                                                       // depth; nearer boxes are passed over
-    int first_changed = kBeamSize, last_changed = -1;                      // pixel rows
+    int first_changed = kBeamSize, last_changed = -1;                      // pixel rows, by layers
+    std::uint32_t changed_cells = 0;                                       // bits row by row, by hits
     float first_column = 0, last_column = 0, first_row = 0, last_row = 0;  // bounds of the pixels asked for
 
     [[nodiscard]] HWY_INLINE float least(std::uint32_t cells) const { return best[std::uint32_t(kLeast) + cells]; }
@@ -109,21 +110,36 @@ HWY_INLINE void combine_cells(Tile& tile) {
     }
 }
 
+// Cells first_column..last_column of rows first_row..last_row, pixels all, as bits row by row.
+HWY_INLINE std::uint32_t cells_of(int first_column, int last_column, int first_row, int last_row) {
+    const std::uint32_t columns = (2u << last_column / 8) - (1u << first_column / 8);
+    constexpr std::uint32_t kEveryRow = 0x1111u;
+    const std::uint32_t rows = (2u << (last_row / 8 * kCells + kCells - 1)) - (1u << first_row / 8 * kCells);
+    return columns * kEveryRow & rows;
+}
+
+// Brings these cells up to date. Most changes leave a cell's farthest pixel as it was.
+HWY_INLINE void find_farthest(Tile& tile, std::uint32_t cells) {
+    const hn::CappedTag<float, 8> eight;
+    bool has_changed = false;
+    for (; cells != 0; cells &= cells - 1) {
+        const int cell = std::countr_zero(cells), cell_row = cell / kCells, column = cell % kCells;
+        const float* first = tile.best + cell_row * 8 * kRowStride + column * 8;
+        auto least = hn::LoadU(eight, first);
+        for (int row = 0; row < 8; ++row) {
+            for (int x = 0; x < 8; x += int(hn::MaxLanes(eight)))
+                least = hn::Min(least, hn::LoadU(eight, first + row * kRowStride + x));
+        }
+        const float farthest = hn::GetLane(hn::MinOfLanes(eight, least));
+        has_changed |= farthest != tile.cell_best[cell_row][column];
+        tile.cell_best[cell_row][column] = farthest;
+    }
+    if (has_changed) combine_cells(tile);
+}
+
 // Brings the cells of the changed rows up to date.
 HWY_INLINE void find_farthest(Tile& tile) {
-    const hn::CappedTag<float, 8> eight;
-    for (int cell_row = tile.first_changed / 8; cell_row <= tile.last_changed / 8; ++cell_row) {
-        for (int cell = 0; cell < kCells; ++cell) {
-            const float* first = tile.best + cell_row * 8 * kRowStride + cell * 8;
-            auto least = hn::LoadU(eight, first);
-            for (int row = 0; row < 8; ++row) {
-                for (int x = 0; x < 8; x += int(hn::MaxLanes(eight)))
-                    least = hn::Min(least, hn::LoadU(eight, first + row * kRowStride + x));
-            }
-            tile.cell_best[cell_row][cell] = hn::GetLane(hn::MinOfLanes(eight, least));
-        }
-    }
-    combine_cells(tile);
+    find_farthest(tile, cells_of(0, kBeamSize - 1, tile.first_changed, tile.last_changed));
     tile.first_changed = kBeamSize;
     tile.last_changed = -1;
 }
@@ -163,9 +179,8 @@ HWY_INLINE bool begin_tile(const PinholeView& view, const BeamRequest& request, 
     tile.last_column = float(31 - std::countl_zero(any_column));
     tile.first_row = float(std::countr_zero(any_row));
     tile.last_row = float(31 - std::countl_zero(any_row));
-    tile.first_changed = 0;
-    tile.last_changed = kBeamSize - 1;
-    find_farthest(tile);
+    for (float(&row)[kCells] : tile.cell_best) std::fill(std::begin(row), std::end(row), -1.0f);
+    find_farthest(tile, 0xFFFFu);
     return true;
 }
 

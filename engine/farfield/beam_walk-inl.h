@@ -142,14 +142,16 @@ HWY_INLINE VI pack(VI x0, VI x1, VI y0, VI y1) {
                   hn::Or(hn::ShiftLeft<20>(cells), hn::IfThenElseZero(are_few, hn::Set(si, int(PixelRect::kIsFew)))));
 }
 
-HWY_INLINE void children_in_beam(const BvhNode& node, const Beam& beam, const TileBounds& bounds, float least,
-                                 float begin, Met& met) {
+HWY_INLINE void children_in_beam(const BvhNode& node, const Beam& beam, const TileBounds& bounds, const Tile& tile,
+                                 Met& met) {
+    const float least = tile.least(PixelRect{PixelRect::kWholeTile}.cells());
     for (int i = 0; i < 16; i += kLanes) {
         const float* lanes = node.low_x + i;
         // An empty lane gives -inf or, where a normal has a zero, not-a-number; neither is >= 0.
         const VF inside = hn::Min(hn::Min(corner_value(beam, 0, lanes), corner_value(beam, 1, lanes)),
                                   hn::Min(corner_value(beam, 2, lanes), corner_value(beam, 3, lanes)));
         const VF near = corner_value(beam, Beam::kNear, lanes), zero = hn::Zero(f);
+        hn::Store(near, f, met.near + i);
         const MF nearer = hn::Lt(hn::Mul(near, hn::Set(f, least)), hn::Set(f, kFarther));
         const MF met_beam = hn::And(hn::Ge(inside, zero), nearer);
         if (hn::AllFalse(f, met_beam)) continue;
@@ -168,12 +170,27 @@ HWY_INLINE void children_in_beam(const BvhNode& node, const Beam& beam, const Ti
         const auto whole = hn::RebindMask(si, hn::Not(before_eye));
         x0 = hn::IfThenElse(whole, bounds.x0, x0), x1 = hn::IfThenElse(whole, bounds.x1, x1);
         y0 = hn::IfThenElse(whole, bounds.y0, y0), y1 = hn::IfThenElse(whole, bounds.y1, y1);
-        const MF covers =
-            hn::And(hn::RebindMask(f, hn::Not(hn::Or(hn::Gt(x0, x1), hn::Gt(y0, y1)))), hn::Ge(far, hn::Set(f, begin)));
-        met.all |= bits_of(hn::And(met_beam, covers)) << i;
-        hn::Store(near, f, met.near + i);
-        hn::Store(hn::BitCast(ui, pack(x0, x1, y0, y1)), ui, met.rect + i);
+        const MF covers = hn::RebindMask(f, hn::Not(hn::Or(hn::Gt(x0, x1), hn::Gt(y0, y1))));
+        const VI rect = pack(x0, x1, y0, y1);
+        const VF seen = hn::GatherIndex(f, tile.best + kLeast, hn::And(hn::ShiftRight<20>(rect), hn::Set(si, 255)));
+        const MF not_before = hn::Ge(far, hn::Set(f, tile.begin));
+        const MF is_met =
+            hn::And(hn::And(met_beam, not_before), hn::And(covers, hn::Lt(hn::Mul(near, seen), hn::Set(f, kFarther))));
+        met.all |= bits_of(is_met) << i;
+        hn::Store(hn::BitCast(ui, rect), ui, met.rect + i);
     }
+}
+
+// How many of the children met are farther than that of a lane; of those equally far, the lower lanes count.
+HWY_INLINE int farther_than(const Met& met, int lane) {
+    std::uint32_t farther = 0, equal = 0;
+    const VF own = hn::Set(f, met.near[lane]);
+    for (int i = 0; i < 16; i += kLanes) {
+        const VF near = hn::Load(f, met.near + i);
+        farther |= bits_of(hn::Gt(near, own)) << i;
+        equal |= bits_of(hn::Eq(near, own)) << i;
+    }
+    return std::popcount((farther | (equal & ((1u << lane) - 1u))) & met.all);
 }
 
 // Whether something in these few pixels, nowhere nearer than `near`, could still be seen: they are asked one by one.
@@ -227,19 +244,16 @@ HWY_INLINE void walk(const BvhNode* nodes, const Beam& beam, const Tile& tile, s
         const BvhNode& node = nodes[entry.child];
         ++visited;
         Met met;
-        children_in_beam(node, beam, bounds, tile.least(PixelRect{PixelRect::kWholeTile}.cells()), tile.begin, met);
+        children_in_beam(node, beam, bounds, tile, met);
         met.all &= children_of(entry.child);
         if (top + scene::kBvhWidth > kStackEntries) continue;  // no tree of ours is that deep
-        const int bottom = top;
-        for (; met.all != 0; met.all &= met.all - 1) {
-            const int lane = std::countr_zero(met.all);
-            const StackEntry child{met.near[lane], node.child[lane], {met.rect[lane]}};
-            if (!may_be_seen(tile, child.near, child.rect)) continue;
-            prefetch_child(child.child);
-            int at = top++;
-            for (; at > bottom && stack[at - 1].near < child.near; --at) stack[at] = stack[at - 1];
-            stack[at] = child;
+        // The nearest comes to lie on top. Where each belongs is counted, not searched: no branch to be guessed.
+        for (std::uint32_t left = met.all; left != 0; left &= left - 1) {
+            const int lane = std::countr_zero(left);
+            prefetch_child(node.child[lane]);
+            stack[top + farther_than(met, lane)] = {met.near[lane], node.child[lane], {met.rect[lane]}};
         }
+        top += std::popcount(met.all);
     }
 }
 

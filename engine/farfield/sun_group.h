@@ -28,9 +28,20 @@ struct PointGroup {
     std::uint64_t left = 0;                                              ///< points that nothing hides so far
 };
 
+/// Leaves that hid much of a group, the last one first: they mostly hide its neighbours, too.
+struct Occluders {
+    static constexpr int kMost = 2;
+    struct Leaf {
+        std::uint32_t instance, leaf;
+    };
+    int count = 0;
+    Leaf leaves[kMost];
+};
+
 /// Takes from group.left what the scene's instances hide; adds its work to `cost`.
-/// @param first_id  name of the scene's first instance in own_instance
-void cast_group(const scene::StaticScene& scene, std::uint32_t first_id, const LightFrame& light, PointGroup& group,
-                CastCost& cost);
+/// @param first_id   name of the scene's first instance in own_instance
+/// @param occluders  of this scene; kept from group to group. They change the order of tests alone.
+void cast_group(const scene::StaticScene& scene, std::uint32_t first_id, const LightFrame& light, Occluders& occluders,
+                PointGroup& group, CastCost& cost);
 
 }  // namespace ff::farfield::sun

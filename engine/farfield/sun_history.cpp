@@ -37,15 +37,12 @@ struct Reprojection {
 /// One tile on its way through the kernel. Pointers are to its first pixel.
 struct Tile {
     int x, y;
-    bool ask;                              ///< whether the last frame may answer
-    std::uint32_t static_instances;        ///< those below stand still
-    const std::uint32_t* instances;        ///< rows of `stride`
-    const float* depths;                   ///< rows of `depth_stride`; the pixels round the tile are there, too
-    const float* next_depths;              ///< of the next tile, rows of `stride`
-    const std::uint32_t* next_last_words;  ///< about where the next tile was, rows of the last frame's stride
-    std::uint32_t* words;                  ///< out where answered; else 0 as before
-    std::uint8_t* lit;                     ///< out where answered
-    std::ptrdiff_t to_next;                ///< pixels to where the next tile begins, which is asked for meanwhile
+    bool ask;                        ///< whether the last frame may answer
+    std::uint32_t static_instances;  ///< those below stand still
+    const std::uint32_t* instances;  ///< rows of `stride`
+    const float* depths;             ///< rows of `depth_stride`; the pixels round the tile are there, too
+    std::uint32_t* words;            ///< out where answered; else 0 as before
+    std::uint8_t* lit;               ///< out where answered
     std::ptrdiff_t stride, depth_stride;
     std::uint16_t rows[kTileSize];  ///< in: asked for; out: surfaces that are left
     std::uint32_t answered;         ///< out: how many
@@ -118,8 +115,9 @@ class WordsAround {
     }
     /// Column 0 to 3 and row 0 to 3 of the block of 4 x 4 round each point, whose inner four are its corners; beyond
     /// the image that of its border.
-    HWY_INLINE VU at(int column, int row) const {
-        const bool inner = (column == 1 || column == 2) && (row == 1 || row == 2);
+    template <int column, int row>
+    HWY_INLINE VU at() const {
+        constexpr bool inner = (column == 1 || column == 2) && (row == 1 || row == 2);
         if (follows_ && (inner || has_margin_)) {
             const std::int32_t dx = column < 2 ? column - 1 : right_ + column - 2;
             const std::int32_t dy = row < 2 ? (row - 1) * r_.stride : down_ + (row - 2) * r_.stride;
@@ -186,27 +184,39 @@ HWY_INLINE std::uint32_t reuse_lanes(const Reprojection& r, const Tile& tile, in
     const VF slope = hn::Min(steps, hn::Mul(splat(kMaxStepShare), last_depth));
     const VF slack = hn::MulAdd(splat(kDepthSteps), slope, hn::Mul(splat(kDepthShare), last_depth));
     VU all = hn::Set(ui, ~0u), any = hn::Zero(ui), age = hn::Zero(ui);
-    for (int k = 0; k < 4; ++k) {
-        const VU word = words.at(1 + k % 2, 1 + k / 2);
+    const auto ask = [&](VU word) HWY_ATTR {
         const VF seen = hn::BitCast(f, hn::And(word, hn::Set(ui, kDepthBits)));
         good = hn::And(good, hn::Le(hn::Abs(hn::Sub(seen, last_depth)), slack));
         all = hn::And(all, word);
         any = hn::Or(any, word);
         age = hn::Max(age, hn::And(word, hn::Set(ui, kAgeBits)));
-    }
+    };
+    ask(words.at<1, 1>());
+    ask(words.at<2, 1>());
+    ask(words.at<1, 2>());
+    ask(words.at<2, 2>());
     const VU lit_bit = hn::Set(ui, kLitBit), light = hn::And(all, lit_bit);
     good = hn::And(good, hn::RebindMask(f, hn::Eq(light, hn::And(any, lit_bit))));
     if (hn::AllFalse(f, good)) return 0;
 
     // Those round them must agree, too, or the light may change within a pixel; unless the point is a pixel's own.
     VU differ = hn::Zero(ui);
-    for (int k = 0; k < 16; ++k) {
-        const int ring_column = k % 4, ring_row = k / 4;
-        if (ring_column % 3 != 0 && ring_row % 3 != 0) continue;
-        const VU word = words.at(ring_column, ring_row);
+    const auto compare = [&](VU word) HWY_ATTR {
         const VU other = hn::And(hn::Xor(word, light), lit_bit);
         differ = hn::Or(differ, hn::IfThenElseZero(hn::Ne(word, hn::Zero(ui)), other));
-    }
+    };
+    compare(words.at<0, 0>());
+    compare(words.at<1, 0>());
+    compare(words.at<2, 0>());
+    compare(words.at<3, 0>());
+    compare(words.at<0, 1>());
+    compare(words.at<3, 1>());
+    compare(words.at<0, 2>());
+    compare(words.at<3, 2>());
+    compare(words.at<0, 3>());
+    compare(words.at<1, 3>());
+    compare(words.at<2, 3>());
+    compare(words.at<3, 3>());
     const auto on_pixel = hn::And(hn::Eq(corners.x0, corners.x1), hn::Eq(corners.y0, corners.y1));
     good = hn::And(good, hn::Or(hn::RebindMask(f, on_pixel), hn::RebindMask(f, hn::Eq(differ, hn::Zero(ui)))));
     const std::uint32_t found = bits_of(good) & wanted;
@@ -226,42 +236,34 @@ HWY_INLINE std::uint32_t reuse_lanes(const Reprojection& r, const Tile& tile, in
     return found;
 }
 
-void reuse_tile(const Reprojection& r, Tile& tile) {
+void reuse_row(const Reprojection& r, Tile& tile, int j) {
     const int lanes = int(hn::Lanes(f));
-    tile.answered = 0;
-    for (int j = 0; j < kTileSize; ++j) {
-        // 16 short rows are too few for the processor's own prefetchers.
-        const std::ptrdiff_t next = tile.to_next + j * tile.stride;
-        __builtin_prefetch(tile.instances + next);
-        __builtin_prefetch(tile.next_depths + j * tile.stride);
-        __builtin_prefetch(tile.words + next, 1);
-        __builtin_prefetch(tile.lit + next, 1);
-        __builtin_prefetch(tile.next_last_words + j * std::ptrdiff_t(r.stride));
-        if (tile.rows[j] == 0) continue;
-        std::uint32_t left = 0;
-        for (int i = 0; i < kTileSize; i += lanes) {
-            const std::uint32_t asked = std::uint32_t(tile.rows[j]) >> i & ((1u << lanes) - 1u);
-            if (asked == 0) continue;
-            const VU instance = hn::LoadU(ui, tile.instances + j * tile.stride + i);
-            const auto below = [&](std::uint32_t id)
-                                   HWY_ATTR { return bits_of(hn::RebindMask(f, hn::Lt(instance, hn::Set(ui, id)))); };
-            std::uint32_t surfaces = asked & below(kUnresolved);
-            const std::uint32_t wanted = tile.ask ? surfaces & below(tile.static_instances) : 0;
-            if (wanted != 0) {
-                const std::uint32_t found = reuse_lanes(r, tile, i, j, wanted);
-                tile.answered += std::uint32_t(std::popcount(found));
-                surfaces &= ~found;
-            }
-            left |= surfaces << i;
+    std::uint32_t left = 0;
+    for (int i = 0; i < kTileSize; i += lanes) {
+        const std::uint32_t asked = std::uint32_t(tile.rows[j]) >> i & ((1u << lanes) - 1u);
+        if (asked == 0) continue;
+        const VU instance = hn::LoadU(ui, tile.instances + j * tile.stride + i);
+        const auto below = [&](std::uint32_t id)
+                               HWY_ATTR { return bits_of(hn::RebindMask(f, hn::Lt(instance, hn::Set(ui, id)))); };
+        std::uint32_t surfaces = asked & below(kUnresolved);
+        const std::uint32_t wanted = tile.ask ? surfaces & below(tile.static_instances) : 0;
+        if (wanted != 0) {
+            const std::uint32_t found = reuse_lanes(r, tile, i, j, wanted);
+            tile.answered += std::uint32_t(std::popcount(found));
+            surfaces &= ~found;
         }
-        tile.rows[j] = std::uint16_t(left);
+        left |= surfaces << i;
     }
+    tile.rows[j] = std::uint16_t(left);
 }
 
 }  // namespace
 
-void ReuseTile(const Reprojection& r, Tile& tile) {
-    reuse_tile(r, tile);
+void ReuseTiles(const Reprojection& r, std::span<Tile> tiles) {
+    // Row by row over neighbours: memory is read as it lies, which the processor sees coming.
+    for (int j = 0; j < kTileSize; ++j)
+        for (Tile& tile : tiles)
+            if (tile.rows[j] != 0) reuse_row(r, tile, j);
 }
 
 }  // namespace HWY_NAMESPACE
@@ -271,9 +273,9 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace ff::farfield {
 namespace sun {
-HWY_EXPORT(ReuseTile);
-void reuse_tile(const Reprojection& reprojection, Tile& tile) {
-    HWY_DYNAMIC_DISPATCH(ReuseTile)(reprojection, tile);
+HWY_EXPORT(ReuseTiles);
+void reuse_tiles(const Reprojection& reprojection, std::span<Tile> tiles) {
+    HWY_DYNAMIC_DISPATCH(ReuseTiles)(reprojection, tiles);
 }
 }  // namespace sun
 
@@ -363,35 +365,34 @@ std::uint64_t SunHistory::reuse(const SunHistoryInput& input, std::uint8_t* lit,
     }
     std::atomic<std::uint64_t> total{0};
     parallel_ranges(input.tiles.size(), kTilesPerTask, [&](std::size_t begin, std::size_t end) {
-        float block[sun::kBlockStride * sun::kBlockStride];
-        std::uint64_t count = 0;
+        float blocks[kTilesPerTask][sun::kBlockStride * sun::kBlockStride];
+        sun::Tile tiles[kTilesPerTask];
         for (std::size_t t = begin; t < end; ++t) {
             TileRequest& request = undecided_[t];
             trim(visibility.width, visibility.height, request);
             const std::size_t first = visibility.index(request.x, request.y);
-            sun::Tile tile{.x = request.x,
-                           .y = request.y,
-                           .ask = knows && !is_due(request, frame_, input.refresh_frames) &&
-                                  !may_be_shaded(input.view, visibility, request, moving_, input.to_sun),
-                           .static_instances = input.static_instances,
-                           .instances = visibility.instance.data() + first,
-                           .words = current_.words.data() + first,
-                           .lit = lit + first,
-                           .stride = visibility.stride};
             const bool at_border = request.x == 0 || request.y == 0 || request.x + kTileSize >= visibility.width ||
                                    request.y + kTileSize >= visibility.height;
+            float* const block = blocks[t - begin];
             if (at_border) load_depths(visibility, request.x, request.y, block);
-            tile.depths = at_border ? block + sun::kBlockStride + 1 : visibility.depth.data() + first;
-            tile.depth_stride = at_border ? sun::kBlockStride : visibility.stride;
-            const TileRequest& next = undecided_[std::min(t + 1, end - 1)];
-            const std::size_t next_first = visibility.index(next.x, next.y);
-            tile.to_next = std::ptrdiff_t(next_first) - std::ptrdiff_t(first);
-            tile.next_depths = visibility.depth.data() + next_first;
-            tile.next_last_words = knows ? last_.words.data() + std::min(next_first, last_.words.size() - 1) : nullptr;
-            std::copy(std::begin(request.rows), std::end(request.rows), tile.rows);
-            sun::reuse_tile(reprojection, tile);
-            std::copy(std::begin(tile.rows), std::end(tile.rows), request.rows);
-            count += tile.answered;
+            tiles[t - begin] = {.x = request.x,
+                                .y = request.y,
+                                .ask = knows && !is_due(request, frame_, input.refresh_frames) &&
+                                       !may_be_shaded(input.view, visibility, request, moving_, input.to_sun),
+                                .static_instances = input.static_instances,
+                                .instances = visibility.instance.data() + first,
+                                .depths = at_border ? block + sun::kBlockStride + 1 : visibility.depth.data() + first,
+                                .words = current_.words.data() + first,
+                                .lit = lit + first,
+                                .stride = visibility.stride,
+                                .depth_stride = at_border ? sun::kBlockStride : visibility.stride};
+            std::copy(std::begin(request.rows), std::end(request.rows), tiles[t - begin].rows);
+        }
+        sun::reuse_tiles(reprojection, std::span(tiles, end - begin));
+        std::uint64_t count = 0;
+        for (std::size_t t = begin; t < end; ++t) {
+            std::copy(std::begin(tiles[t - begin].rows), std::end(tiles[t - begin].rows), undecided_[t].rows);
+            count += tiles[t - begin].answered;
         }
         total.fetch_add(count, std::memory_order_relaxed);
     });

@@ -25,7 +25,7 @@ namespace ff::farfield::beam {
 namespace HWY_NAMESPACE {
 namespace {
 
-constexpr int kFewForLeaf = 4;  // points that are asked one by one, eight triangles at a time
+constexpr int kFewForLeaf = 8;  // points that are asked one by one, eight triangles at a time
 
 // A leaf's triangles in light space.
 struct alignas(64) LightLeaf {
@@ -216,8 +216,28 @@ HWY_INLINE std::uint32_t set_up_light(const BvhLeaf& leaf, int first, const Poin
     return bits << first;
 }
 
+// Eights of points that triangle i may hide some of: the corner of their bounds where an edge function is greatest is
+// asked, with the very operations of the points, which are monotonic.
+HWY_INLINE std::uint32_t eights_under(const LightLeaf& l, int i, const GroupPoints& p) {
+    std::uint32_t eights = 0;
+    for (int at = 0; at < kEights; at += kPointLanes) {
+        MP under = hn::Lt(hn::Load(pf, p.d.least + at), hn::Set(pf, l.high[i]));
+        for (int k = 0; k < 3; ++k) {
+            const float a = l.a[k][i], b = l.b[k][i];
+            const VP s = hn::Sub(hn::Load(pf, (a > 0.0f ? p.s.most : p.s.least) + at), hn::Set(pf, l.s0[i]));
+            const VP t = hn::Sub(hn::Load(pf, (b > 0.0f ? p.t.most : p.t.least) + at), hn::Set(pf, l.t0[i]));
+            const VP most = hn::MulAdd(hn::Set(pf, a), s, hn::MulAdd(hn::Set(pf, b), t, hn::Set(pf, l.c[k][i])));
+            under = hn::And(under, hn::Ge(most, hn::Zero(pf)));
+        }
+        eights |= point_bits(under) << at;
+    }
+    return eights;
+}
+
 // Points that triangle i hides.
 HWY_INLINE std::uint64_t hidden_by_triangle(const LeafQuestion& q, const LightLeaf& l, int i, std::uint64_t points) {
+    std::uint32_t eights = eights_of_points(points) & eights_under(l, i, q.points);
+    if (eights == 0) return 0;
     const PointGroup& p = q.points.group;
     VP a[3], b[3], c[3];
     for (int k = 0; k < 3; ++k) {
@@ -233,7 +253,7 @@ HWY_INLINE std::uint64_t hidden_by_triangle(const LeafQuestion& q, const LightLe
     AlphaSurface surface;
     bool has_surface = false;
     std::uint64_t hidden = 0;
-    for (std::uint32_t eights = eights_of_points(points); eights != 0; eights &= eights - 1) {
+    for (; eights != 0; eights &= eights - 1) {
         const int first = std::countr_zero(eights) * 8;
         for (int at = first; at < first + 8; at += kPointLanes) {
             const VP s = hn::Sub(hn::Load(pf, p.s + at), s0), t = hn::Sub(hn::Load(pf, p.t + at), t0);

@@ -9,6 +9,7 @@
 #include <bit>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <limits>
 
 #include "engine/farfield/sun_points.h"
 
@@ -99,11 +100,38 @@ struct Pixels {
     alignas(64) std::uint32_t at[kPixels];
 };
 
+using E = hn::CappedTag<float, 8>;
+constexpr E ef;
+constexpr hn::RebindToSigned<E> ei;
+constexpr hn::RebindToUnsigned<E> eu;
+constexpr int kEightLanes = int(hn::MaxLanes(ef));
+
+// Whether eight numbers are all this one.
+HWY_INLINE bool is_everywhere(const std::uint32_t* eight, std::uint32_t number) {
+    bool is_all = true;
+    for (int i = 0; i < 8; i += kEightLanes)
+        is_all &= hn::AllTrue(eu, hn::Eq(hn::LoadU(eu, eight + i), hn::Set(eu, number)));
+    return is_all;
+}
+
 HWY_INLINE void find_pixels(const PinholeView& view, const VisibilityBuffer& visibility, const TileRequest& tile,
                             std::uint8_t* lit, Surfaces& surfaces, Pixels& pixels) {
     const int columns = std::min(kTileSize, view.width - int(tile.x));
     const int rows = std::min(kTileSize, view.height - int(tile.y));
-    if (columns <= 0) return;
+    if (columns <= 0 || rows <= 0) return;
+    // All at once: what is decided pixel by pixel would wait for each by itself.
+    alignas(64) std::uint32_t instances[kPixels], triangles[kPixels];
+    alignas(64) float depths[kPixels];
+    for (int row = 0; row < rows; ++row) {
+        if (tile.rows[row] == 0) continue;
+        const std::size_t at = visibility.index(tile.x, tile.y + row);
+        for (int i = 0; i < kTileSize; i += kLanes) {
+            const int to = row * kTileSize + i;
+            hn::Store(hn::LoadU(ui, visibility.instance.data() + at + i), ui, instances + to);
+            hn::Store(hn::LoadU(ui, visibility.triangle.data() + at + i), ui, triangles + to);
+            hn::Store(hn::LoadU(f, visibility.depth.data() + at + i), f, depths + to);
+        }
+    }
     std::uint32_t last_instance = kSkyInstance, last_triangle = 0;
     int last = 0;
     for (int block = 0; block < 4; ++block) {
@@ -111,10 +139,28 @@ HWY_INLINE void find_pixels(const PinholeView& view, const VisibilityBuffer& vis
         for (int row = first_row; row < std::min(first_row + 8, rows); ++row) {
             std::uint32_t bits = tile.rows[row] & ((1u << columns) - 1u) & 0xFFu << first_column;
             const std::size_t row_at = visibility.index(tile.x, tile.y + row);
+            // Mostly a row sees one triangle.
+            const std::size_t eight_at = row_at + std::size_t(first_column);
+            if (bits == 0xFFu << first_column && last_instance < kUnresolved &&
+                is_everywhere(instances + row * kTileSize + first_column, last_instance) &&
+                is_everywhere(triangles + row * kTileSize + first_column, last_triangle)) {
+                for (int i = 0; i < 8; i += kEightLanes) {
+                    const int to = pixels.count + i;
+                    hn::StoreU(hn::Iota(ef, float(tile.x + first_column + i)), ef, pixels.x + to);
+                    hn::StoreU(hn::Set(ef, float(tile.y + row)), ef, pixels.y + to);
+                    hn::StoreU(hn::LoadU(ef, depths + row * kTileSize + first_column + i), ef, pixels.depth + to);
+                    hn::StoreU(hn::Set(ei, last), ei, pixels.surface + to);
+                    hn::StoreU(hn::Iota(eu, std::uint32_t(eight_at) + std::uint32_t(i)), eu, pixels.at + to);
+                }
+                pixels.count += 8;
+                std::fill_n(lit + eight_at, 8, std::uint8_t(0));
+                continue;
+            }
             for (; bits != 0; bits &= bits - 1) {
                 const int column = std::countr_zero(bits);
                 const std::size_t at = row_at + std::size_t(column);
-                const std::uint32_t instance = visibility.instance[at], triangle = visibility.triangle[at];
+                const int from = row * kTileSize + column;
+                const std::uint32_t instance = instances[from], triangle = triangles[from];
                 if (instance != last_instance || triangle != last_triangle) {
                     last_instance = instance;
                     last_triangle = triangle;
@@ -126,7 +172,7 @@ HWY_INLINE void find_pixels(const PinholeView& view, const VisibilityBuffer& vis
                 const int to = pixels.count++;
                 pixels.x[to] = float(tile.x + column);
                 pixels.y[to] = float(tile.y + row);
-                pixels.depth[to] = visibility.depth[at];
+                pixels.depth[to] = depths[from];
                 pixels.surface[to] = last;
                 pixels.at[to] = std::uint32_t(at);
             }
@@ -183,7 +229,8 @@ void GatherTile(const scene::StaticScene& scene, std::span<const scene::Instance
         const VF away = hn::MulAdd(normal_s, s, hn::MulAdd(normal_t, t, hn::Mul(normal_d, d)));
         const VF flip = hn::IfThenElseZero(hn::Gt(away, hn::Zero(f)), hn::Set(f, -0.0f));
         normal_s = hn::Xor(normal_s, flip), normal_t = hn::Xor(normal_t, flip), normal_d = hn::Xor(normal_d, flip);
-        const auto sunny = hn::And(valid, hn::Gt(normal_d, hn::Zero(f)));
+        const auto has_place = hn::Lt(depth, hn::Set(f, std::numeric_limits<float>::max()));
+        const auto sunny = hn::And(hn::And(valid, has_place), hn::Gt(normal_d, hn::Zero(f)));
         const VF offset = hn::MulAdd(hn::Set(f, per_depth), depth, hn::GatherIndex(f, surfaces.offset, surface));
         const int to = pool.count;
         hn::StoreU(hn::MulAdd(depth, s, hn::Mul(offset, normal_s)), f, pool.s + to);
@@ -226,6 +273,11 @@ void gather_point(const SunPoint& point, std::uint32_t answer, const LightFrame&
         return;
     }
     const Vec3 start = point.position + point.offset_m * point.normal;
+    // A group's origin is one of its points: none may be without a place.
+    if (!std::isfinite(start.x + start.y + start.z)) {
+        lit[answer] = 255;
+        return;
+    }
     const int to = pool.count++;
     pool.s[to] = glm::dot(s, start);
     pool.t[to] = glm::dot(t, start);

@@ -1,5 +1,6 @@
 #include "engine/farfield/sun_rays.h"
 
+#include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
 
@@ -36,14 +37,35 @@ const scene::StaticScene& SunRays::moving(std::span<const scene::Instance> dynam
 
 namespace {
 
+// Tiles of a task: neighbours, of which one knows what hid the other.
+constexpr std::size_t kTilesPerTask = 16;
+static_assert(kTilesPerTask % PointPool::kTiles == 0);
+
+struct KnownOccluders {
+    sun::Occluders standing, moving;
+};
+
+// Asks for what a tile's pixels see: rows of an image lie too far apart for the processor to see it coming.
+void prefetch_tile(const VisibilityBuffer& visibility, const TileRequest& tile, std::uint8_t* lit) {
+    for (int row = 0; row < kTileSize; ++row) {
+        if (tile.rows[row] == 0) continue;
+        const std::size_t at = visibility.index(tile.x, tile.y + row);
+        if (at >= visibility.depth.size()) return;
+        __builtin_prefetch(&visibility.instance[at]);
+        __builtin_prefetch(&visibility.triangle[at]);
+        __builtin_prefetch(&visibility.depth[at]);
+        __builtin_prefetch(lit + at, 1);
+    }
+}
+
 // Casts the rays of a pool and writes their answers.
 void cast_pool(const scene::StaticScene& scene, const scene::StaticScene& moving, const PointPool& pool,
-               const WorldPos& eye, const LightFrame& light, std::uint8_t* lit, CastCost& cost) {
+               const WorldPos& eye, const LightFrame& light, KnownOccluders& known, std::uint8_t* lit, CastCost& cost) {
     PointGroup group;
     for (int first = 0; first < pool.count; first += group.count) {
         make_group(pool, first, eye, light, group);
-        cast_group(scene, 0, light, group, cost);
-        cast_group(moving, std::uint32_t(scene.instances.size()), light, group, cost);
+        cast_group(scene, 0, light, known.standing, group, cost);
+        cast_group(moving, std::uint32_t(scene.instances.size()), light, known.moving, group, cost);
         for (int i = 0; i < group.count; ++i) lit[pool.answer[first + i]] = ((group.left >> i) & 1u) != 0 ? 255 : 0;
     }
     cost.rays += std::uint64_t(pool.count);
@@ -58,12 +80,18 @@ CastCost SunRays::cast(const PinholeView& view, const VisibilityBuffer& visibili
     const scene::StaticScene& others = moving(dynamic);
     const LightFrame light(to_sun);
     CastCostSum shared;
-    parallel_ranges(tiles.size(), PointPool::kTiles, [&](std::size_t begin, std::size_t end) {
+    parallel_ranges(tiles.size(), kTilesPerTask, [&](std::size_t begin, std::size_t end) {
         CastCost cost;
-        PointPool pool;
-        for (std::size_t i = begin; i < end; ++i)
-            gather_tile(scene_, dynamic, view, light, visibility, tiles[i], lit, pool);
-        cast_pool(scene_, others, pool, view.position, light, lit, cost);
+        KnownOccluders known;
+        while (begin < end) {
+            PointPool pool;
+            for (int i = 0; i < PointPool::kTiles && begin < end; ++i)
+                gather_tile(scene_, dynamic, view, light, visibility, tiles[begin++], lit, pool);
+            // While rays are cast, the next tiles' pixels come.
+            for (std::size_t i = begin; i < std::min(begin + PointPool::kTiles, tiles.size()); ++i)
+                prefetch_tile(visibility, tiles[i], lit);
+            cast_pool(scene_, others, pool, view.position, light, known, lit, cost);
+        }
         shared.add(cost);
     });
     return shared.total();
@@ -76,9 +104,10 @@ CastCost SunRays::cast_points(const WorldPos& origin, std::span<const SunPoint> 
     CastCostSum shared;
     parallel_ranges(points.size(), PointPool::kMost, [&](std::size_t begin, std::size_t end) {
         CastCost cost;
+        KnownOccluders known;
         PointPool pool;
         for (std::size_t i = begin; i < end; ++i) sun::gather_point(points[i], std::uint32_t(i), light, lit, pool);
-        cast_pool(scene_, others, pool, origin, light, lit, cost);
+        cast_pool(scene_, others, pool, origin, light, known, lit, cost);
         shared.add(cost);
     });
     return shared.total();

@@ -29,6 +29,7 @@ namespace HWY_NAMESPACE {
 namespace {
 
 using sun::LightFrame;
+using sun::Occluders;
 using sun::PointGroup;
 
 // Light space, relative to a group's centre, from a hierarchy's own.
@@ -55,7 +56,7 @@ struct SunSpace {
     BoxFunction low[3], high[3];
     Linear d;
     std::uint32_t row_x, row_y, row_z;
-    float point_s[3], point_t[3], point_c[3];  // component of a point: point_s s + point_t t + point_c
+    float point_s[3], point_t[3];  // component of a point: point_s s + point_t t; what is constant is in the boxes
 };
 
 // @param reach   largest absolute coordinate of the hierarchy's boxes
@@ -79,11 +80,11 @@ HWY_INLINE SunSpace sun_space(const LightRows& rows, const Vec3& reach, float ex
         const float error =
             kBoxError * (terms[j] * reach[i] + terms[i] * reach[j] + std::abs(s[k]) * (std::abs(rows.t.c) + extent) +
                          std::abs(t[k]) * (std::abs(rows.s.c) + extent));
-        space.low[k] = {u, v, -error, side(u, false, i), side(v, false, j)};
-        space.high[k] = {u, v, error, side(u, true, i), side(v, true, j)};
+        const float constant = s[k] * rows.t.c - t[k] * rows.s.c;
+        space.low[k] = {u, v, constant - error, side(u, false, i), side(v, false, j)};
+        space.high[k] = {u, v, constant + error, side(u, true, i), side(v, true, j)};
         space.point_s[k] = -t[k];
         space.point_t[k] = s[k];
-        space.point_c[k] = t[k] * rows.s.c - s[k] * rows.t.c;
     }
     space.d = rows.d;
     space.d.c += kBoxError * (std::abs(rows.d.x) * reach.x + std::abs(rows.d.y) * reach.y +
@@ -187,7 +188,7 @@ HWY_INLINE GroupPoints::GroupPoints(const PointGroup& points) : group(points) {
     extent = std::max(std::max(-low_s, high_s), std::max(-low_t, high_t));
 }
 
-// The points in a hierarchy's slabs.
+// The points in a hierarchy's slabs: the same for all that are turned and scaled alike, wherever they stand.
 struct Slabs {
     alignas(64) float at[3][PointGroup::kMost];
     EightBounds eights[3];
@@ -197,9 +198,8 @@ struct Slabs {
 HWY_INLINE void find_slabs(const SunSpace& space, const GroupPoints& p, Slabs& out) {
     for (int k = 0; k < 3; ++k) {
         const VP of_s = hn::Set(pf, space.point_s[k]), of_t = hn::Set(pf, space.point_t[k]);
-        const VP c = hn::Set(pf, space.point_c[k]);
         const auto value = [&](const float* s, const float* t, int i) {
-            return hn::MulAdd(of_s, hn::Load(pf, s + i), hn::MulAdd(of_t, hn::Load(pf, t + i), c));
+            return hn::MulAdd(of_s, hn::Load(pf, s + i), hn::Mul(of_t, hn::Load(pf, t + i)));
         };
         for (int i = 0; i < p.group.count; i += kPointLanes)
             hn::Store(value(p.group.s, p.group.t, i), pf, out.at[k] + i);

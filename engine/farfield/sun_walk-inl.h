@@ -20,7 +20,7 @@ namespace HWY_NAMESPACE {
 namespace {
 
 constexpr int kSunStackEntries = 2048;  // 15 per level of a tree; the builder keeps trees below 132 levels
-constexpr int kFewPoints = 3;           // that are asked one by one which boxes they lie in
+constexpr int kFewPoints = 6;           // that are asked one by one which boxes they lie in
 
 struct SunEntry {
     std::uint64_t points;

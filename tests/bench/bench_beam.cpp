@@ -1,6 +1,6 @@
 // Tile beams against Embree's packets on the same views, interleaved frame by frame: medians, and the pixels in which
-// they differ (another primitive at a depth that differs by more than 1e-4). One worker in processor time, which other
-// programs on the machine disturb least; two workers in wall time.
+// they differ (another primitive at a depth that differs by more than 1e-4), with whom an oracle in double finds wrong
+// there. One worker in processor time, which other programs on the machine disturb least; two workers in wall time.
 // Usage: bench_beam [world name, "all" or PACK.ffpack:WALK] [width] [height] [laps]
 
 #include <fmt/core.h>
@@ -18,6 +18,8 @@
 #include "engine/core/stopwatch.h"
 #include "engine/farfield/embree_caster.h"
 #include "engine/farfield/ray_caster.h"
+#include "engine/farfield/visibility_difference.h"
+#include "tests/bench/beam_oracle.h"
 #include "tests/bench/pack_walk.h"
 #include "tests/support/worlds.h"
 
@@ -98,7 +100,7 @@ void run(const std::string& name, const scene::StaticScene& scene, std::span<con
     std::array<std::array<std::vector<double>, 2>, 3> ms;
     std::array<VisibilityBuffer, 3> images;
     for (VisibilityBuffer& image : images) image.resize(width, height);
-    std::uint64_t different = 0, pixels = 0, nodes = 0, triangles = 0;
+    std::uint64_t different = 0, embree_wrong = 0, beam_wrong = 0, pixels = 0, nodes = 0, triangles = 0;
     for (int lap = 0; lap < laps; ++lap) {
         for (const PinholeView& view : views) {
             for (int workers = 1; workers <= 2; ++workers) {
@@ -120,23 +122,25 @@ void run(const std::string& name, const scene::StaticScene& scene, std::span<con
                 for (int x = 0; x < width; ++x) {
                     const std::size_t at = images[0].index(x, y);
                     ++pixels;
-                    if (images[0].instance[at] == images[2].instance[at] &&
-                        images[0].triangle[at] == images[2].triangle[at])
-                        continue;
-                    const float ratio = images[0].depth[at] / images[2].depth[at];
-                    different += !(std::abs(ratio - 1.0f) < 1e-4f);
+                    if (!farfield::is_wrong_pixel(images[2], images[0], at)) continue;
+                    const bench::ExactHit exact = bench::find_exact_hit(scene, view, x, y);
+                    ++different;
+                    embree_wrong += bench::is_wrong(images[0], at, exact);
+                    beam_wrong += bench::is_wrong(images[2], at, exact);
                 }
             }
         }
     }
     const double per_tile = 1.0 / double(tiles.size() * views.size());
+    const auto ppm = [&](std::uint64_t count) { return 1e6 * double(count) / double(pixels); };
     const auto figure = [&](std::size_t c, std::size_t w) { return median(ms[c][w]); };
     fmt::print(
         "{:14} {:8} tri | embree {:6.2f} {:6.2f} ms | fast {:6.2f} {:6.2f} | beam {:6.2f} {:6.2f} ms, {:4.0f} "
-        "Mrays/s | ratio {:4.2f} {:4.2f} | {:5.1f} ppm differ | a tile: {:.1f} nodes, {:.0f} triangles\n",
+        "Mrays/s | ratio {:4.2f} {:4.2f} | {:5.1f} ppm differ, of them Embree wrong {:.1f}, beams {:.1f} | a tile: "
+        "{:.1f} nodes, {:.0f} triangles\n",
         name, scene.triangle_materials.size(), figure(0, 0), figure(0, 1), figure(1, 0), figure(1, 1), figure(2, 0),
         figure(2, 1), width * height / figure(2, 1) * 1e-3, std::min(figure(0, 0), figure(1, 0)) / figure(2, 0),
-        std::min(figure(0, 1), figure(1, 1)) / figure(2, 1), 1e6 * double(different) / double(pixels),
+        std::min(figure(0, 1), figure(1, 1)) / figure(2, 1), ppm(different), ppm(embree_wrong), ppm(beam_wrong),
         double(nodes) * per_tile, double(triangles) * per_tile);
 }
 
