@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <array>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
 #include <utility>
 
 #include "engine/core/check.h"
@@ -46,6 +48,20 @@ double measure_near_fixed_ms(nearfield::NearRenderer& near_renderer, int width, 
     return times[2];
 }
 
+/// A box around what stands in it and the shadow that this casts, as far as the scene goes.
+DBox3 with_shadow(const scene::StaticScene& scene, const DBox3& box) {
+    if (box.is_empty() || scene.bounds.is_empty()) return box;
+    const double reach_m = glm::length(scene.bounds.high - scene.bounds.low);
+    const DVec3 along = -DVec3(scene.environment.to_sun) * reach_m;
+    DBox3 out{glm::min(box.low, box.low + along), glm::max(box.high, box.high + along)};
+    // Below the scene there is nothing to be shaded.
+    if (const double fall_m = box.high.y - scene.bounds.low.y; along.y < 0.0 && fall_m < -along.y) {
+        const DVec3 landed = along * std::max(0.0, fall_m / -along.y);
+        out = {glm::min(box.low, box.low + landed), glm::max(box.high, box.high + landed)};
+    }
+    return out;
+}
+
 }  // namespace
 
 Renderer::Renderer(const scene::StaticScene& scene, Casters& casters, nearfield::NearRenderer* near_renderer, int width,
@@ -69,8 +85,10 @@ void Renderer::reset() {
 }
 
 void Renderer::region_changed(const DBox3& box) {
-    if (history_.panorama && history_.panorama->invalidate(box) > 0) history_.panorama_is_full = false;
+    const DBox3 touched = history_.sun ? with_shadow(tools_.scene, box) : box;
+    if (history_.panorama && history_.panorama->invalidate(touched) > 0) history_.panorama_is_full = false;
     if (history_.reprojection) history_.reprojection->invalidate(box);
+    if (history_.sun) history_.sun->history.clear();
     history_.horizon.invalidate();
 }
 

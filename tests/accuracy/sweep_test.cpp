@@ -151,9 +151,9 @@ TEST_F(MeasureTest, a_whole_sweep_makes_a_report) {
     const Bench bench{.scene = lab, .frames = frames_, .reference = *reference, .laps = 1};
     const auto swept = sweep(bench, 2);
     ASSERT_TRUE(swept) << swept.error().message;
-    std::size_t without_gl = 0;
-    for (const frame::Knob& knob : frame::knobs()) without_gl += !knob.needs_gl;
-    ASSERT_EQ(swept->curves.size(), without_gl);
+    std::size_t expected = 0;
+    for (const frame::Knob& knob : frame::knobs()) expected += !knob.needs_gl && !knob.needs_sun;
+    ASSERT_EQ(swept->curves.size(), expected);
     for (const KnobCurve& curve : swept->curves) {
         EXPECT_EQ(curve.points.size(), curve.knob->values.size());
         EXPECT_FALSE(curve.says.empty());
