@@ -140,8 +140,21 @@ class Panorama {
                       VisibilityBuffer& out, PixelMask& verified);
 
     /// Enters pixels that were cast and shaded for the screen.
+    /// @param lit  optional: which of them see the sun, as visibility; then light() is kept, too
     void store(const PinholeView& view, std::span<const TileRequest> tiles, const VisibilityBuffer& visibility,
-               std::span<const std::uint32_t> colors, int color_stride);
+               std::span<const std::uint32_t> colors, int color_stride, const std::uint8_t* lit = nullptr);
+
+    /// Which texels see the sun, 255 or 0, laid out as map(): who fills the map writes it, known_light() reads it.
+    /// Made, and its memory taken, by the first call.
+    [[nodiscard]] std::uint8_t* light();
+    /// What the texels know of the light of the pixels that the last lookup left to others: a pixel whose own ray met
+    /// what a good texel beside it shows sees the same place, less than a texel away, in the same light. Texels that
+    /// disagree, as on the border of a shadow, know nothing.
+    /// @param visibility  of those pixels
+    /// @param lit         as visibility; 255 or 0 where it is known, else left
+    /// @param tiles       the pixels that ask; replaced by those that are left
+    /// @return pixels answered
+    std::uint64_t known_light(const VisibilityBuffer& visibility, std::uint8_t* lit, std::vector<TileRequest>& tiles);
 
     /// Forgets the texels whose ray meets the box before or where it ends: call it with the old and the new box of
     /// whatever changed.

@@ -45,6 +45,7 @@ struct PanoramaMap {
     VisibilityBuffer visibility;            // 75 MiB at 1024; the depth is along the face's axis
     ZeroPageVector<std::uint32_t> colors;   // 25 MiB at 1024; alpha is the state of the texel's quad
     ZeroPageVector<std::uint16_t> records;  // 12 MiB at 1024
+    ZeroPageVector<std::uint8_t> light;     // 6 MiB at 1024; empty until somebody asks for it
     std::vector<TexelTile> tiles;           ///< row-major, tiles_side a row, faces below each other
 
     [[nodiscard]] TexelTile& tile_at(int texel_x, int texel_row) {

@@ -37,6 +37,8 @@ struct Panorama::State {
     std::vector<panorama::TileClasses> classes;  ///< per wanted tile
     std::vector<std::uint32_t> at_threshold;     ///< per wanted tile: pixels of the class that is cast in part
 
+    std::vector<std::uint32_t> wanted_at;  ///< per tile of the view: its place among the wanted ones + 1, or 0
+
     // Pixels left aside for verify_edges.
     std::vector<TileRequest> edges;         ///< per wanted tile
     std::vector<std::uint32_t> edge_tiles;  ///< those that have any

@@ -19,8 +19,9 @@ DVec3 texel_direction(const PinholeView& face, int x, int row) {
 }  // namespace
 
 void Panorama::store(const PinholeView& view, std::span<const TileRequest> tiles, const VisibilityBuffer& visibility,
-                     std::span<const std::uint32_t> colors, int color_stride) {
+                     std::span<const std::uint32_t> colors, int color_stride, const std::uint8_t* lit) {
     State& s = *state_;
+    std::uint8_t* const texel_light = lit != nullptr ? light() : nullptr;
     FF_CHECK(s.record != kNeverTraced, "store before begin_frame");
     const int last = s.map.size - 1;
     const auto side = std::uint32_t(s.map.tiles_side);
@@ -48,6 +49,7 @@ void Panorama::store(const PinholeView& view, std::span<const TileRequest> tiles
                         s.map.visibility.depth[to] = visibility.depth[from] * axis;
                         s.map.colors[to] = colors[std::size_t(y) * std::size_t(color_stride) + std::size_t(x)];
                         s.map.records[to] = s.record;
+                        if (lit != nullptr) texel_light[to] = lit[from];
                     }
             }
         });

@@ -48,6 +48,9 @@ class SunHistory {
     /// Frames since a ray decided the pixel's light, at most 255; -1: nothing is kept of it. Of the last frame.
     [[nodiscard]] int age(int x, int y) const;
 
+    /// Whether there is a last frame to ask.
+    [[nodiscard]] bool knows() const { return last_.width > 0; }
+
     /// Forgets everything, as where the world has changed.
     void clear() { last_.width = 0; }
 

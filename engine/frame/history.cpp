@@ -16,7 +16,10 @@ void FrameHistory::reset(int width, int height) {
         scratch->reserve(all_tiles.size());
     }
     if (panorama) panorama->clear();
-    if (sun) sun->history.clear();
+    if (sun) {
+        sun->history.clear();
+        sun->pause_frames = 0;
+    }
     panorama_is_full = false;
     rest_frames = 0;
     has_frame = false;

@@ -29,7 +29,8 @@ void draw_known_frame(const FramePlan& plan, const Tools& tools, FrameHistory& h
         tools.dynamic_overlay.draw(plan.view, plan.dynamic, history.all_tiles, visibility, history.sources.dynamic);
         stats.pixels.dynamic = history.sources.dynamic.count();
     }
-    const std::uint8_t* const sun_seen = find_sun(plan, tools.scene, visibility, history.all_tiles, history.sun, stats);
+    const std::uint8_t* const sun_seen =
+        find_sun(plan, tools.scene, visibility, history.all_tiles, nullptr, history.sun, stats);
     const TimedPass timed(stats, Pass::shade);
     stats.shaded_pixels = shading::shade_tiles(tools.scene, plan.dynamic, plan.view, visibility, history.all_tiles,
                                                {.prelit_beyond_m = plan.prelit_beyond_m, .sun_seen = sun_seen}, image);

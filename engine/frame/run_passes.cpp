@@ -208,7 +208,7 @@ std::uint64_t fill_panorama(const FramePlan& plan, const Tools& tools, const far
                 tools.casters.get(plan.caster, plan.grid_cells_per_item).cast_tiles(view, texels, panorama.map()).rays;
         }
         const std::uint8_t* const sun_seen =
-            find_sun_of_panorama(plan, tools.scene, view, panorama.map(), texels, history.sun, stats);
+            find_sun_of_panorama(plan, tools.scene, view, texels, panorama, history.sun, stats);
         {
             const TimedPass timed(stats, Pass::shade);
             stats.shaded_pixels += shading::shade_tiles(tools.scene, {}, view, panorama.map(), texels,
@@ -351,7 +351,9 @@ void draw_surfaces(const FramePlan& plan, const Tools& tools, FrameHistory& hist
         const PixelMask* const done[] = {&coloured};
         collect_requests(history.all_tiles, done, history.to_shade);
     }
-    const std::uint8_t* const sun_seen = find_sun(plan, tools.scene, visibility, history.to_shade, history.sun, stats);
+    const std::uint8_t* const sun_seen =
+        find_sun(plan, tools.scene, visibility, history.to_shade,
+                 plan.look_up_panorama ? history.panorama.get() : nullptr, history.sun, stats);
     {
         const TimedPass timed(stats, Pass::shade);
         stats.shaded_pixels += shading::shade_tiles(tools.scene, plan.dynamic, plan.view, visibility, history.to_shade,
@@ -361,7 +363,7 @@ void draw_surfaces(const FramePlan& plan, const Tools& tools, FrameHistory& hist
         const TimedPass timed(stats, Pass::store);
         const PixelMask* const others[] = {&sources.near_field, &sources.sky, &sources.panorama, &sources.dynamic};
         collect_requests(history.all_tiles, others, history.to_store);
-        history.panorama->store(plan.view, history.to_store, visibility, image.pixels, image.stride);
+        history.panorama->store(plan.view, history.to_store, visibility, image.pixels, image.stride, sun_seen);
     }
 }
 

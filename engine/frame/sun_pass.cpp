@@ -1,11 +1,25 @@
 #include "engine/frame/sun_pass.h"
 
+#include <algorithm>
+#include <bit>
 #include <glm/geometric.hpp>
 
 #include "engine/frame/timed_pass.h"
 
 namespace ff::frame {
 namespace {
+
+/// Reuse pays while it leaves no more than this share of the pixels: strewn rays cost several times what those of whole
+/// tiles do. Where it leaves more it is tried again after a while.
+constexpr double kMostLeft = 0.22;
+constexpr int kPauseFrames = 24;
+
+std::uint64_t count_pixels(std::span<const farfield::TileRequest> tiles) {
+    std::uint64_t count = 0;
+    for (const farfield::TileRequest& tile : tiles)
+        for (const std::uint16_t row : tile.rows) count += std::uint64_t(std::popcount(row));
+    return count;
+}
 
 SunLight& made(const scene::StaticScene& scene, std::unique_ptr<SunLight>& sun) {
     if (!sun) sun = std::make_unique<SunLight>(scene);
@@ -17,6 +31,23 @@ std::uint8_t* fit(const farfield::VisibilityBuffer& visibility, ZeroPageVector<s
     const std::size_t count = std::size_t(visibility.stride) * std::size_t(visibility.rows);
     if (plane.size() < count) plane = ZeroPageVector<std::uint8_t>(count);
     return plane.data();
+}
+
+/// What texels know of the pixels' light, but where the shadow of something that moves may fall. The rest is left in
+/// light.cast.
+/// @return pixels answered
+std::uint64_t ask_panorama(const farfield::SunHistoryInput& input, farfield::Panorama& panorama, SunLight& light,
+                           std::uint8_t* seen) {
+    const auto may_be_shaded = [&](const farfield::TileRequest& tile) {
+        return farfield::may_be_shaded(input.view, input.visibility, tile, light.moving, input.to_sun);
+    };
+    light.cast.clear();
+    light.shaded.clear();
+    for (const farfield::TileRequest& tile : input.tiles)
+        (!light.moving.empty() && may_be_shaded(tile) ? light.shaded : light.cast).push_back(tile);
+    const std::uint64_t answered = panorama.known_light(input.visibility, seen, light.cast);
+    light.cast.insert(light.cast.end(), light.shaded.begin(), light.shaded.end());
+    return answered;
 }
 
 }  // namespace
@@ -31,7 +62,7 @@ void bound_moving(std::span<const scene::Instance> dynamic, std::vector<farfield
 
 const std::uint8_t* find_sun(const FramePlan& plan, const scene::StaticScene& scene,
                              const farfield::VisibilityBuffer& visibility, std::span<const farfield::TileRequest> tiles,
-                             std::unique_ptr<SunLight>& sun, FrameStats& stats) {
+                             farfield::Panorama* panorama, std::unique_ptr<SunLight>& sun, FrameStats& stats) {
     if (!plan.sun_shadows) return nullptr;
     const TimedPass timed(stats, Pass::sun);
     SunLight& light = made(scene, sun);
@@ -46,26 +77,36 @@ const std::uint8_t* find_sun(const FramePlan& plan, const scene::StaticScene& sc
                                           .moving = light.moving,
                                           .to_sun = to_sun,
                                           .refresh_frames = plan.sun_refresh_frames};
-    if (plan.reuse_sun) {
-        stats.sun_reused += light.history.reuse(input, seen, light.cast);
-        cast = light.cast;
-    } else {
+    const bool asks_panorama = plan.reuse_sun && panorama != nullptr;
+    // Where texels answer most pixels the last frame's light has holes everywhere.
+    const bool reuse = plan.reuse_sun && !asks_panorama && light.pause_frames == 0;
+    if (asks_panorama) stats.sun_reused += ask_panorama(input, *panorama, light, seen);
+    if (asks_panorama) cast = light.cast;
+    if (!reuse) {
         light.history.clear();
+        light.pause_frames = std::max(0, light.pause_frames - 1);
+    } else {
+        const bool knew = light.history.knows();
+        const std::uint64_t reused = light.history.reuse(input, seen, light.cast);
+        stats.sun_reused += reused;
+        cast = light.cast;
+        if (knew && double(count_pixels(cast)) > kMostLeft * double(reused + count_pixels(cast)))
+            light.pause_frames = kPauseFrames;
     }
     stats.sun_rays += light.rays.cast(plan.view, visibility, cast, plan.dynamic, to_sun, seen).rays;
-    if (plan.reuse_sun) light.history.commit(input, cast, seen);
+    if (reuse) light.history.commit(input, cast, seen);
     return seen;
 }
 
 const std::uint8_t* find_sun_of_panorama(const FramePlan& plan, const scene::StaticScene& scene,
-                                         const PinholeView& view, const farfield::VisibilityBuffer& map,
-                                         std::span<const farfield::TileRequest> texels, std::unique_ptr<SunLight>& sun,
+                                         const PinholeView& view, std::span<const farfield::TileRequest> texels,
+                                         farfield::Panorama& panorama, std::unique_ptr<SunLight>& sun,
                                          FrameStats& stats) {
     if (!plan.sun_shadows) return nullptr;
     const TimedPass timed(stats, Pass::sun);
     SunLight& light = made(scene, sun);
-    std::uint8_t* const seen = fit(map, light.panorama_seen);
-    stats.sun_rays += light.rays.cast(view, map, texels, {}, scene.environment.to_sun, seen).rays;
+    std::uint8_t* const seen = panorama.light();
+    stats.sun_rays += light.rays.cast(view, panorama.map(), texels, {}, scene.environment.to_sun, seen).rays;
     return seen;
 }
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "engine/core/zero_pages.h"
+#include "engine/farfield/panorama.h"
 #include "engine/farfield/sun_history.h"
 #include "engine/farfield/sun_rays.h"
 #include "engine/frame/plan.h"
@@ -19,27 +20,29 @@ struct SunLight {
 
     farfield::SunRays rays;
     farfield::SunHistory history;
+    int pause_frames = 0;                        ///< frames for which reuse is not worth its time
     ZeroPageVector<std::uint8_t> seen;           ///< as VisibilityBuffer::index: 255 a pixel sees the sun, 0 not
-    ZeroPageVector<std::uint8_t> panorama_seen;  ///< likewise, of the texels that are being filled
     std::vector<farfield::TileRequest> cast;     ///< scratch: what reuse leaves
+    std::vector<farfield::TileRequest> shaded;   ///< scratch: where shadows of what moves may fall
     std::vector<farfield::MovingSphere> moving;  ///< scratch: what moves, this frame
 };
 
 /// Balls round instances that move.
 void bound_moving(std::span<const scene::Instance> dynamic, std::vector<farfield::MovingSphere>& out);
 
-/// Finds which pixels see the sun: from the last frame where the plan reuses that, else by a ray each.
-/// @param tiles  the pixels that are going to be shaded
+/// Finds which pixels see the sun: from what is known where the plan reuses that, else by a ray each.
+/// @param tiles     the pixels that are going to be shaded
+/// @param panorama  where it was looked up for this frame: its texels are asked; else the last frame is
 /// @return for ShadeSettings::sun_seen, good until the next call; nullptr where the plan has no sun shadows
 const std::uint8_t* find_sun(const FramePlan& plan, const scene::StaticScene& scene,
                              const farfield::VisibilityBuffer& visibility, std::span<const farfield::TileRequest> tiles,
-                             std::unique_ptr<SunLight>& sun, FrameStats& stats);
+                             farfield::Panorama* panorama, std::unique_ptr<SunLight>& sun, FrameStats& stats);
 
 /// Likewise for texels of the panorama, which nothing that moves shades and nothing is known of.
 /// @param view  of the face that they lie on
 const std::uint8_t* find_sun_of_panorama(const FramePlan& plan, const scene::StaticScene& scene,
-                                         const PinholeView& view, const farfield::VisibilityBuffer& map,
-                                         std::span<const farfield::TileRequest> texels, std::unique_ptr<SunLight>& sun,
+                                         const PinholeView& view, std::span<const farfield::TileRequest> texels,
+                                         farfield::Panorama& panorama, std::unique_ptr<SunLight>& sun,
                                          FrameStats& stats);
 
 }  // namespace ff::frame
