@@ -88,7 +88,7 @@ struct GameInfo {
     std::string title;  ///< on the screen
     std::string intro;  ///< a few lines on the title screen
     std::uint32_t save_version = 1;
-    double fov = radians_of(65.0);  ///< vertical, of GameView::camera where nothing is magnified
+    double fov = radians_of(65.0);      ///< vertical, of GameView::camera where nothing is magnified
     std::vector<loop::Action> actions;  ///< the walking ones first; see loop::Controls
     /// Begins a session. Errors (bad input): the world lacks something that the game needs.
     std::function<Result<std::unique_ptr<Game>>(const scene::World& world, std::uint64_t seed)> begin;

@@ -87,7 +87,8 @@ Status Player::read_player_settings() {
 }
 
 void Player::apply_settings() {
-    controls_.look() = {.mouse_radians_px = kMouseRadiansPx * settings_.mouse_speed, .invert_pitch = settings_.invert_pitch};
+    controls_.look() = {.mouse_radians_px = kMouseRadiansPx * settings_.mouse_speed,
+                        .invert_pitch = settings_.invert_pitch};
     std::copy(settings_.actions.begin(), settings_.actions.end(), controls_.actions().begin());
 }
 
@@ -124,8 +125,7 @@ void Player::end_session() {
 }
 
 void Player::save() {
-    const Status status =
-        loop::write_save(save_path(), {info_.name, info_.save_version, session_->game().save()});
+    const Status status = loop::write_save(save_path(), {info_.name, info_.save_version, session_->game().save()});
     menu_text_.notice = status ? "saved" : status.error().message;
 }
 
@@ -210,7 +210,8 @@ Status Player::draw() {
     rows_.clear();
     if (show_rows_) {
         rows_.emplace_back("frame", fmt::format("{:.1f} ms of {:.1f}", stats.frame_ms, frame_settings.budget_ms));
-        rows_.emplace_back("drawn at", fmt::format("{} x {}", renderer_->plan().view.width, renderer_->plan().view.height));
+        rows_.emplace_back("drawn at",
+                           fmt::format("{} x {}", renderer_->plan().view.width, renderer_->plan().view.height));
         rows_.emplace_back("tick", fmt::format("{}", session_->game().ticks()));
     }
     return {};

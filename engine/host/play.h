@@ -9,8 +9,8 @@
 namespace ff::host {
 
 struct PlayOptions {
-    std::filesystem::path pack;       ///< the world
-    std::filesystem::path folder;     ///< settings, saves, recordings; empty: player_folder() of the game
+    std::filesystem::path pack;    ///< the world
+    std::filesystem::path folder;  ///< settings, saves, recordings; empty: player_folder() of the game
     std::uint64_t seed = 1;
     std::optional<double> budget_ms;  ///< instead of the player's
     bool record = true;               ///< every session, into FOLDER/recordings

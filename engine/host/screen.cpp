@@ -143,7 +143,8 @@ Choice Screen::Impl::draw_menu(Menu menu, const MenuText& text, const platform::
     behind.AddRectFilled({0, 0}, size, IM_COL32(8, 12, 18, menu == Menu::title ? 90 : 150));
     if (menu == Menu::settings) return draw_settings(input, settings);
 
-    draw_text(behind, {0.5f * size.x, 0.2f * size.y}, kTitleSize * size.y, ImGui::GetColorU32(pale()), text.title.c_str());
+    draw_text(behind, {0.5f * size.x, 0.2f * size.y}, kTitleSize * size.y, ImGui::GetColorU32(pale()),
+              text.title.c_str());
     // Line by line, each in the middle.
     float y = 0.33f * size.y;
     for (std::size_t at = 0; at < text.text.size();) {

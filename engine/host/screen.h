@@ -24,13 +24,13 @@ enum class Choice : std::uint8_t { none, start, go_on, load, save, settings, bac
 
 /// What a menu shows.
 struct MenuText {
-    std::string title, text;   ///< of the title and end screens
-    std::string notice;        ///< "saved", or why not
-    bool can_load = false;     ///< there is a saved game
+    std::string title, text;  ///< of the title and end screens
+    std::string notice;       ///< "saved", or why not
+    bool can_load = false;    ///< there is a saved game
 };
 
-/// Draws with Dear ImGui over the window's default framebuffer. One at a time, and beside no debug::Overlay. Threads: the
-/// window's.
+/// Draws with Dear ImGui over the window's default framebuffer. One at a time, and beside no debug::Overlay. Threads:
+/// the window's.
 class Screen {
   public:
     /// The window's OpenGL context must be current. Errors: the driver refuses the shaders.
