@@ -8,6 +8,7 @@ find_package(glm CONFIG REQUIRED)
 find_package(embree 3 CONFIG REQUIRED)
 find_package(glfw3 3.3 CONFIG REQUIRED)
 find_package(zstd CONFIG REQUIRED)
+find_package(Bullet MODULE REQUIRED) # its own config names a library that Debian does not ship
 find_package(nlohmann_json CONFIG REQUIRED)
 find_package(tomlplusplus CONFIG REQUIRED)
 pkg_check_modules(xxhash REQUIRED IMPORTED_TARGET GLOBAL libxxhash)
