@@ -102,7 +102,7 @@ void Player::store_settings() {
 Status Player::begin_session(const loop::SavedGame* saved) {
     end_session();
     SessionSettings settings{.seed = options_.seed,
-                             .pack_name = options_.pack.filename().string(),
+                             .pack_name = std::filesystem::absolute(options_.pack).string(),
                              .player_settings = to_text(settings_),
                              .recording = {},
                              .start = {},
