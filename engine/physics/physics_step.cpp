@@ -91,9 +91,7 @@ void PhysicsWorld::Impl::move_characters(StepStats& stats) {
         ++stats.characters;
         const bool was_on_ground = c.on_ground;
         const BodyId was_on = c.ground;
-        const DVec3 before = c.feet;
         controller.move(c, settings.tick_s, pushes);
-        c.moved = c.feet - before;
         // Whoever lands on a sleeping body, or leaves it, wakes it.
         if (c.on_ground != was_on_ground || !(c.ground == was_on))
             for (const BodyId id : {was_on, c.ground})
@@ -159,6 +157,9 @@ void PhysicsWorld::Impl::activate(std::uint32_t slot) {
 }
 
 void PhysicsWorld::Impl::add_pair(std::uint32_t a, std::uint32_t b, float friction, float restitution) {
+    // What bounces has to get there first: a contact that only keeps a gap from closing takes the speed away before.
+    if (restitution > 0.0f) std::erase_if(found, [](const Contact& c) { return c.distance > 0.001f; });
+    if (found.empty()) return;
     pairs.push_back({a, b, std::uint32_t(contacts.size()), std::uint32_t(found.size()), friction, restitution});
     contacts.insert(contacts.end(), found.begin(), found.end());
 }
@@ -172,7 +173,7 @@ void PhysicsWorld::Impl::find_contacts(StepStats& stats) {
         const Body& body = bodies[slot];
         const std::uint32_t place = place_of(slot);
         finder.with_scene(*body.geometry, body.frame, body.bounds, found);
-        if (!found.empty()) add_pair(place, SolverPair::kScene, body.desc.friction, body.desc.restitution);
+        add_pair(place, SolverPair::kScene, body.desc.friction, body.desc.restitution);
         touch_bodies(slot, place);
         touch_characters(slot, place);
     }
@@ -213,7 +214,7 @@ void PhysicsWorld::Impl::touch_characters(std::uint32_t slot, std::uint32_t plac
             c.place = std::int32_t(solver_bodies.size());
             SolverBody out;
             out.position = frame.position;
-            out.velocity = limited(Vec3(c.moved / settings.tick_s), 1e3f);
+            out.velocity = limited(Vec3(c.ridden / settings.tick_s), 1e3f);
             solver_bodies.push_back(out);
         }
         add_pair(place, std::uint32_t(c.place), 0.0f, 0.0f);

@@ -82,7 +82,7 @@ PhysicsWorld::Impl::Impl(const scene::StaticScene& scene_, const PhysicsSettings
       solver(settings_.tick_s, settings_.solver_iterations) {
     FF_CHECK(settings.tick_s >= 1e-4 && settings.tick_s <= 0.1, "tick of {} s", settings.tick_s);
     FF_CHECK(check_vector("gravity", settings.gravity_m_s2, 1000.0), "gravity out of range");
-    FF_CHECK(settings.solver_iterations >= 1 && settings.solver_iterations <= 200, "{} iterations",
+    FF_CHECK(settings.solver_iterations >= 3 && settings.solver_iterations <= 200, "{} iterations",
              settings.solver_iterations);
     FF_CHECK(settings.active_range_m > 0.0, "active range of {} m", settings.active_range_m);
 }
