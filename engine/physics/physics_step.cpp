@@ -17,22 +17,21 @@ constexpr float kStillSpeed_m_s = 0.1f, kStillSpin_rad_s = 0.15f, kStill_s = 0.5
 // An awake body that only leans on a sleeping one does not wake it.
 constexpr float kWakingSpeed_m_s = 0.25f;
 
-/// The rotation after turning by `spin` for a time.
+/// The rotation after turning by `spin` for a time. Without sines, which another C library rounds otherwise: the
+/// tangent of the half angle by its series, off by less than 1e-4 of the angle up to 0.6 rad a tick.
 glm::quat turned(const glm::quat& q, const Vec3& spin, float seconds) {
-    const float angle = glm::length(spin) * seconds;
-    if (!(angle > 1e-9f)) return q;
-    const Vec3 axis = glm::normalize(spin);
-    return glm::normalize(glm::quat(std::cos(0.5f * angle), std::sin(0.5f * angle) * axis) * q);
+    const Vec3 half = spin * (0.5f * seconds);
+    const float h2 = glm::dot(half, half);
+    if (!(h2 > 0.0f)) return q;
+    return glm::normalize(glm::quat(1.0f, half * (1.0f + h2 / 3.0f + h2 * h2 * (2.0f / 15.0f))) * q);
 }
 
-/// The spin that turns one rotation into another within a time.
+/// The spin that turns one rotation into another within a time; good to 1% up to a right angle.
 Vec3 spin_between(const glm::quat& from, const glm::quat& to, float seconds) {
     glm::quat d = to * glm::conjugate(from);
     if (d.w < 0.0f) d = -d;
-    const Vec3 axis(d.x, d.y, d.z);
-    const float sine = glm::length(axis);
-    if (!(sine > 1e-9f)) return Vec3(0.0f);
-    return axis * (2.0f * std::atan2(sine, d.w) / (sine * seconds));
+    const Vec3 tangent = Vec3(d.x, d.y, d.z) / std::max(d.w, 0.1f);
+    return tangent * (2.0f / (seconds * (1.0f + 0.28f * glm::dot(tangent, tangent))));
 }
 
 Vec3 limited(const Vec3& v, float most) {
