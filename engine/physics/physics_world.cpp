@@ -113,24 +113,33 @@ void PhysicsWorld::Impl::list_bodies() {
     awake.clear();
     kinematic.clear();
     asleep_count = 0;
+    asleep_sum = 0;
     for (std::uint32_t slot = 0; slot < bodies.slot_count(); ++slot) {
         const Body& body = bodies[slot];
         if (!body.alive) continue;
         if (!body.is_dynamic())
             kinematic.push_back(slot);
         else if (body.asleep)
-            ++asleep_count;
+            count_asleep(slot, true);
         else
             awake.push_back(slot);
     }
 }
 
+void PhysicsWorld::Impl::count_asleep(std::uint32_t slot, bool sleeps) {
+    asleep_count += sleeps ? 1u : ~0u;
+    asleep_sum += sleeps ? hash_of(slot) : std::uint64_t(0) - hash_of(slot);
+}
+
 void PhysicsWorld::Impl::wake(std::uint32_t slot) {
     Body& body = bodies[slot];
-    body.still_s = 0.0f;
-    if (!body.is_dynamic() || !body.asleep) return;
+    if (!body.is_dynamic() || !body.asleep) {
+        body.still_s = 0.0f;
+        return;
+    }
+    count_asleep(slot, false);
     body.asleep = false;
-    --asleep_count;
+    body.still_s = 0.0f;
     awake.insert(std::lower_bound(awake.begin(), awake.end(), slot), slot);
 }
 
@@ -139,7 +148,7 @@ void PhysicsWorld::Impl::fall_asleep(std::uint32_t slot) {
     body.asleep = true;
     body.velocity = body.spin = Vec3(0.0f);
     body.before = body.frame;
-    ++asleep_count;
+    count_asleep(slot, true);
     awake.erase(std::lower_bound(awake.begin(), awake.end(), slot));
 }
 
@@ -166,7 +175,7 @@ Result<BodyId> PhysicsWorld::add_body(const BodyDesc& given) {
     const std::uint32_t slot = s.bodies.add(std::move(body));
     std::vector<std::uint32_t>& list = desc.motion == Motion::kinematic ? s.kinematic : s.awake;
     if (s.bodies[slot].asleep)
-        ++s.asleep_count;
+        s.count_asleep(slot, true);
     else
         list.insert(std::lower_bound(list.begin(), list.end(), slot), slot);
     return s.bodies.id_of(slot);
@@ -178,7 +187,7 @@ bool PhysicsWorld::remove_body(BodyId id) {
     if (body == nullptr) return false;
     const DBox3 bounds = body->bounds;
     if (body->is_dynamic() && body->asleep) {
-        --s.asleep_count;
+        s.count_asleep(id.index, false);
     } else {
         std::vector<std::uint32_t>& list = body->is_dynamic() ? s.awake : s.kinematic;
         list.erase(std::lower_bound(list.begin(), list.end(), id.index));
@@ -205,11 +214,11 @@ Status PhysicsWorld::set_pose(BodyId id, const Pose& given) {
     FF_TRY(check_pose(pose));
     Body* const body = s.bodies.find(id);
     if (body == nullptr) return not_alive("body", id.index, id.generation);
+    s.wake(id.index);
     const DBox3 left = body->bounds;
     body->frame = body->before = body->target = frame_of(*body->geometry, pose);
     body->has_target = false;
     s.bodies.update_bounds(id.index);
-    s.wake(id.index);
     s.wake_near(left);
     s.wake_near(body->bounds);
     return {};
