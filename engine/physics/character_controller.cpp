@@ -275,6 +275,8 @@ void CharacterController::walk(Character& c, const DVec3& along, double tick_s) 
 void CharacterController::fall(Character& c, double tick_s) {
     c.velocity.y = std::max(c.velocity.y - double(c.desc.gravity_m_s2) * tick_s, -double(c.desc.max_fall_m_s));
     const DVec3 start = c.feet;
+    const bool falling = c.velocity.y < 0.0;
+    const double wanted = glm::length(c.velocity) * tick_s;
     const Slide moved = slide(c, start, c.velocity * tick_s, false);
     c.feet = moved.feet;
     if (moved.hit) {
@@ -284,8 +286,11 @@ void CharacterController::fall(Character& c, double tick_s) {
         c.velocity = now > before ? gone * (before / now) : gone;
     }
     const Ground ground = c.velocity.y <= 0.0 || moved.hit ? ground_at(c, c.feet) : Ground{};
-    c.on_ground = ground.found && c.velocity.y <= kTiny + std::max(0.0, -glm::dot(level(c.velocity), ground.normal) /
-                                                                            std::max(ground.normal.y, 0.1));
+    // How fast the ground falls away under a level motion: who rises faster than that has left it.
+    const double along_ground = -glm::dot(level(c.velocity), ground.normal) / std::max(ground.normal.y, 0.1);
+    c.on_ground = ground.found && c.velocity.y <= kTiny + std::max(0.0, along_ground);
+    // Wedged in, by whatever: what cannot fall stands, and may step or jump out.
+    if (!ground.found && falling && glm::length(c.feet - start) < 0.01 * wanted) c.on_ground = true;
     c.ground = c.on_ground ? ground.body : BodyId{};
     c.ground_normal = c.on_ground ? ground.normal : kUp;
     if (c.on_ground) c.velocity.y = 0.0;
