@@ -82,6 +82,26 @@ void walk_along(const scene::World& world, const scene::Walk& walk, int laps) {
                                                    double(triangles) / double(count), put_back, count));
 }
 
+/// Flings a character about at a kilometre a tick: each sweep may cross the whole town.
+void fling(const scene::World& world, const scene::Walk& walk, int laps) {
+    Ticks ticks;
+    for (int lap = 0; lap < laps; ++lap) {
+        PhysicsWorld physics(world.scene());
+        test::Random random(std::uint32_t(lap + 1));
+        const CharacterId id = *physics.add_character(
+            {.position = walk.frames[0].position, .ground_accel_m_s2 = 1e9f, .air_accel_m_s2 = 1e9f});
+        for (int i = 0; i < 400; ++i) {
+            const WorldPos start = walk.frames[random.below(std::uint32_t(walk.frames.size()))].position;
+            (void)bool(physics.set_position(id, ground_below(physics, start)));
+            const double angle = random.in(0, 2 * kPi);
+            (void)bool(physics.set_input(
+                id, {.velocity_m_s = {float(120e3 * std::cos(angle)), 0, float(120e3 * std::sin(angle))}}));
+            for (int tick = 0; tick < 4; ++tick) ticks.add(timed([&] { physics.step(); }));
+        }
+    }
+    ticks.print("a character at 1 km a tick", "");
+}
+
 /// Drops bodies around a place and times the ticks in which most of them are awake.
 void drop_bodies(const scene::World& world, const scene::Walk& walk, int bodies, bool piled, int laps) {
     Ticks ticks;
@@ -181,6 +201,7 @@ int main(int argc, char** argv) {
     const scene::World& world = *opened->world;
     fmt::print("{:<34} {:>8} {:>8} {:>8} {:>8}   ms a tick\n", where, "median", "mean", "p99", "worst");
     walk_along(world, *opened->walk, laps);
+    fling(world, *opened->walk, laps);
     drop_bodies(world, *opened->walk, 100, false, laps);
     drop_bodies(world, *opened->walk, 100, true, laps);
     drop_bodies(world, *opened->walk, 10, true, laps);
