@@ -3,7 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
+
+#include "engine/physics/numbers.h"
 
 namespace ff::physics {
 namespace {
@@ -95,6 +98,8 @@ void CharacterController::move(Character& c, double tick_s, std::vector<Push>& p
         walk(c, flat * tick_s, tick_s);
     else
         fall(c, tick_s);
+    // Past the end of the world it stays there.
+    c.feet = glm::clamp(c.feet, DVec3(-kMaxCoordinate_m), DVec3(kMaxCoordinate_m));
     push_bodies(c, wish, tick_s, pushes);
 }
 

@@ -51,7 +51,9 @@ struct Push {
 class CharacterController {
   public:
     CharacterController(const scene::StaticScene& scene, const BodyStore& bodies)
-        : bodies_(bodies), query_(scene, bodies) {}
+        : bodies_(bodies), query_(scene, bodies, slots_) {}
+    CharacterController(const CharacterController&) = delete;
+    CharacterController& operator=(const CharacterController&) = delete;
 
     /// @param pushes  appended
     void move(Character& character, double tick_s, std::vector<Push>& pushes);
@@ -82,6 +84,7 @@ class CharacterController {
     void push_bodies(const Character& c, const DVec3& wished, double tick_s, std::vector<Push>& pushes);
 
     const BodyStore& bodies_;
+    std::vector<std::uint32_t> slots_;  // scratch of query_
     ObstacleQuery query_;
     std::vector<Obstacle> near_;  // scratch
     std::vector<Obstacle> met_;   // dynamic bodies that this tick's slides hit

@@ -216,6 +216,56 @@ TEST(Bodies, doors_push_characters_and_never_through_walls) {
     }
 }
 
+TEST(Bodies, a_mesh_moves_as_it_is_with_its_hollows) {
+    // An arch: two posts and a lintel. What fits goes through it, and it carries what lies on it.
+    scene::MeshSource arch;
+    append_box(arch, {-1.5f, 0, -0.2f}, {-0.8f, 2.2f, 0.2f}, 1, 0);
+    append_box(arch, {0.8f, 0, -0.2f}, {1.5f, 2.2f, 0.2f}, 1, 0);
+    append_box(arch, {-1.5f, 2.2f, -0.2f}, {1.5f, 2.5f, 0.2f}, 1, 0);
+    Ground g;
+    g.floor(8);
+    scene::SceneData data = g.finish();
+    const std::size_t before = data.meshes.size();
+    data.add_mesh(scene::prepare_mesh(arch, data.materials));
+    Walled w(std::move(data));
+    BodyDesc desc = at(physics::mesh_shape(std::uint32_t(before)), {0, 0, 0});
+    desc.motion = Motion::kinematic;
+    const BodyId gate = *w.world.add_body(desc);
+    const BodyId pot = *w.world.add_body(at(physics::box_shape(Vec3(0.1f)), {0, 2.65, 0}));
+    const CharacterId through = w.walker({0, 0, -3}), against = w.walker({1.1, 0, -3});
+    for (const CharacterId id : {through, against}) ASSERT_TRUE(w.world.set_input(id, {.velocity_m_s = {0, 0, 2}}));
+    run(w, 360);
+    EXPECT_GT(w.world.character(through).position.z, 2.0);
+    EXPECT_LT(w.world.character(against).position.z, -0.5);
+    EXPECT_NEAR(w.world.body(pot).pose.position.y, 2.6, 0.01);
+    for (int i = 1; i <= 240; ++i) {
+        ASSERT_TRUE(w.world.move_kinematic(gate, {{0.005 * i, 0, 0}, {1, 0, 0, 0}}));
+        w.world.step();
+    }
+    EXPECT_NEAR(w.world.body(pot).pose.position.x, 1.2, 0.15);
+    const auto hit = w.world.cast_ray({1.2, 1, -5}, {0, 0, 1}, 20);
+    EXPECT_FALSE(hit);
+    EXPECT_EQ(w.world.cast_ray({0, 1, -5}, {0, 0, 1}, 20)->body, gate);
+}
+
+TEST(Bodies, a_cart_pushes_who_stands_in_its_way) {
+    for (const double speed : {1.0, 5.0, 15.0, 30.0}) {
+        Walled w(Ground().floor(40).finish());
+        BodyDesc desc = at(physics::box_shape({1, 0.8f, 0.6f}), {-4, 0.85, 0});
+        desc.motion = Motion::kinematic;
+        const BodyId cart = *w.world.add_body(desc);
+        const CharacterId id = w.walker({0, 0, 0.05});
+        run(w, 10);
+        for (int i = 1; i <= int(8.0 / speed * 120); ++i) {
+            ASSERT_TRUE(w.world.move_kinematic(cart, {{-4 + speed / 120 * i, 0.85, 0}, {1, 0, 0, 0}}));
+            w.world.step();
+            const DVec3 d = w.world.character(id).position - w.world.body(cart).pose.position;
+            ASSERT_TRUE(std::abs(d.x) > 1.3 || std::abs(d.z) > 0.9 || d.y > 0.5) << speed << " " << i;
+        }
+        EXPECT_GT(w.world.character(id).position.x, 1.0) << speed;
+    }
+}
+
 TEST(Bodies, characters_push_light_bodies_and_not_heavy_ones) {
     for (const float mass : {5.0f, 5000.0f}) {
         Walled w(Ground().floor(20).finish());
