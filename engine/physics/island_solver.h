@@ -46,6 +46,7 @@ class IslandSolver {
 
   private:
     struct Impl;
+    int iterations_;
     std::unique_ptr<Impl> impl_;
 };
 

@@ -147,6 +147,29 @@ TEST(Character, does_not_tunnel_at_any_speed) {
     }
 }
 
+TEST(Character, gets_out_of_a_wedge_and_a_ravine) {
+    // Two beams closer than it is wide, and a trench whose sides are both too steep.
+    Ground beams;
+    beams.floor(12, -20).box({-8, -0.3f, 0.3f}, {8, 0, 4}).box({-8, -0.3f, -4}, {8, 0, -0.3f});
+    Ground trench;
+    trench.triangle({-20, 0, 0}, {20, 0, 0}, {20, 8, 3}).triangle({-20, 0, 0}, {20, 8, 3}, {-20, 8, 3});
+    trench.triangle({-20, 0, 0}, {20, 8, -3}, {20, 0, 0}).triangle({-20, 0, 0}, {-20, 8, -3}, {20, 8, -3});
+    for (const Ground* ground : {&beams, &trench}) {
+        Walled w(ground->finish());
+        const CharacterId id = w.walker({0, 3, 0.02});
+        w.walk(id, Vec3(0.0f), 600);
+        const double rests = w.world.character(id).position.y;
+        double highest = rests;
+        ASSERT_TRUE(w.world.set_input(id, {.velocity_m_s = {3, 0, 0}, .jump = true}));
+        for (int i = 0; i < 240; ++i) {
+            w.world.step();
+            highest = std::max(highest, w.world.character(id).position.y);
+        }
+        EXPECT_GT(highest, rests + 0.8);
+        EXPECT_GT(w.world.character(id).position.x, 1.0);
+    }
+}
+
 TEST(Character, falls_from_any_height_onto_a_single_triangle) {
     for (const double height : {1.0, 50.0, 1000.0, 20000.0}) {
         Walled w(Ground().triangle({-5, 0, -5}, {0, 0, 5}, {5, 0, -5}).finish());
