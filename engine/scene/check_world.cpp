@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "engine/core/jobs.h"
+#include "engine/scene/check_animation.h"
 #include "engine/scene/mesh_slices.h"
 
 namespace ff::scene {
@@ -451,6 +452,8 @@ bool Checker::check_info() {
                             instance.mesh, instance.position.x, instance.position.y, instance.position.z,
                             s_.meshes.size(), kMaxWorldCoordinate));
     }
+    if (const auto problem = find_animation_problem(info_.animation, s_.meshes))
+        return report(problem->array, problem->element, problem->what);
     std::vector<std::string_view> names;
     for (std::size_t i = 0; i < info_.walks.size(); ++i) {
         const Walk& walk = info_.walks[i];

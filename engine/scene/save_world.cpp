@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "engine/core/jobs.h"
+#include "engine/scene/animation_chunk.h"
 #include "engine/scene/check_world.h"
 #include "engine/scene/disk_records.h"
 #include "engine/scene/leaf_blocks.h"
@@ -93,6 +94,7 @@ Result<std::uint64_t> write_world(const std::filesystem::path& path, const Scene
     FF_TRY(add_array(pack, "instance_nodes", scene.instance_nodes));
     FF_TRY(add_array(pack, "heights", scene.heights));
     FF_TRY(add_array(pack, "sky_panorama", scene.sky_panorama));
+    if (!info.animation.models.empty()) FF_TRY(add_array(pack, "animation", animation_to_bytes(info.animation)));
     return pack.finish();
 }
 
