@@ -12,6 +12,7 @@ sys.dont_write_bytecode = True
 import facades
 import grounds
 import leaves
+import moving
 import props
 import trees
 
@@ -47,6 +48,9 @@ MODELS = {
     "street_lamp": props.street_lamp,
     "bench": props.bench,
     "boulder": props.boulder,
+    "bird": moving.bird,
+    "cart": moving.cart,
+    "flag": moving.flag,
 }
 
 

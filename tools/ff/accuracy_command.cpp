@@ -42,7 +42,7 @@ Status run_accuracy(const AccuracyOptions& options) {
     const accuracy::Effort effort = options.quick ? accuracy::kQuick : accuracy::kThorough;
     const accuracy::LabScene scene{.world = session.world(),
                                    .walk = session.walk(),
-                                   .dynamic = session.dynamic(),
+                                   .moving = [&](std::size_t f) { return session.dynamic(f, options.view.size); },
                                    .width = options.view.size.width,
                                    .height = options.view.size.height,
                                    .has_gl = has_gl,
