@@ -19,7 +19,8 @@ float fade_weight(const Animator& animator) {
 }
 
 void advance(Animator& animator, double dt_s) {
-    for (ClipPlay* play : {&animator.now, &animator.before, &animator.layer}) play->time_s += dt_s * double(play->speed);
+    for (ClipPlay* play : {&animator.now, &animator.before, &animator.layer})
+        play->time_s += dt_s * double(play->speed);
     animator.fade_left_s = std::max(0.0f, animator.fade_left_s - float(dt_s));
 }
 

@@ -26,11 +26,11 @@ inline constexpr std::uint32_t kNoMask = 0xFFFFFFFFu;
 struct Animator {
     std::uint32_t model = 0;  ///< of AnimationSet::models
     ClipPlay now;
-    ClipPlay before;           ///< that `now` fades in over
-    float fade_s = 0.0f;       ///< length of the fade
-    float fade_left_s = 0.0f;  ///< 0: `now` alone
-    ClipPlay layer;            ///< played over the others where its mask says so
-    float layer_weight = 0.0f;            ///< [0, 1]; 0: no layer
+    ClipPlay before;                     ///< that `now` fades in over
+    float fade_s = 0.0f;                 ///< length of the fade
+    float fade_left_s = 0.0f;            ///< 0: `now` alone
+    ClipPlay layer;                      ///< played over the others where its mask says so
+    float layer_weight = 0.0f;           ///< [0, 1]; 0: no layer
     std::uint32_t layer_mask = kNoMask;  ///< of DynamicModels::add_mask; kNoMask: all joints
 
     friend bool operator==(const Animator&, const Animator&) = default;

@@ -22,9 +22,9 @@ using scene::Instance;
 
 /// What is known of a model once and for all.
 struct ModelTables {
-    std::uint32_t first_skin = 0;     ///< of all skins
-    float reach_m = 0.0f;             ///< from the model's origin
-    std::vector<float> clip_speeds;   ///< metres a second
+    std::uint32_t first_skin = 0;              ///< of all skins
+    float reach_m = 0.0f;                      ///< from the model's origin
+    std::vector<float> clip_speeds;            ///< metres a second
     std::vector<std::uint32_t> skin_matrices;  ///< [skin]: first of its joints among the model's
     std::uint32_t matrix_count = 0;
 };
@@ -35,9 +35,9 @@ struct Candidate {
     Animator animator;  ///< at the time that is shown
     double distance_m = 0.0;
     Pose pose, fading, layer;
-    std::vector<Mat4x3> joints;           ///< model_from_joint
-    std::vector<JointColumns> matrices;   ///< of all its skins
-    std::vector<Instance> parts;          ///< rigid ones, where they may be seen
+    std::vector<Mat4x3> joints;          ///< model_from_joint
+    std::vector<JointColumns> matrices;  ///< of all its skins
+    std::vector<Instance> parts;         ///< rigid ones, where they may be seen
     std::vector<bool> skin_matters;
     std::vector<DBox3> skin_bounds;
 };
@@ -47,8 +47,14 @@ struct SeenSkin {
     std::uint32_t candidate = 0, skin = 0;  ///< of the model
 };
 
+/// A bound of how much longer a matrix makes a vector, exact where its columns are at right angles: by Gershgorin's
+/// circles of its square.
 double greatest_scale(const Mat3& m) {
-    return std::max({glm::length(m[0]), glm::length(m[1]), glm::length(m[2])}) * std::sqrt(3.0);
+    const DMat3 square = glm::transpose(DMat3(m)) * DMat3(m);
+    double most = 0.0;
+    for (int c = 0; c < 3; ++c)
+        most = std::max(most, std::fabs(square[c][0]) + std::fabs(square[c][1]) + std::fabs(square[c][2]));
+    return std::sqrt(most);
 }
 
 /// World from a mesh that hangs in a model: the translation in double.
@@ -63,6 +69,14 @@ bool is_flat(const Mat3& m) {
     const double volume = glm::determinant(DMat3(m));
     const double size = double(glm::length(m[0])) * glm::length(m[1]) * glm::length(m[2]);
     return !(std::fabs(volume) > 1e-9 * size) || !(size > 1e-30) || !std::isfinite(volume);
+}
+
+/// What numbers are too large to be drawn: packs may hold any that are finite, and hierarchies multiply them.
+bool are_finite(std::span<const JointColumns> matrices) {
+    float sum = 0.0f;
+    for (const JointColumns& m : matrices)
+        for (const auto& column : m.column) sum += 0.0f * column[0] + 0.0f * column[1] + 0.0f * column[2];
+    return sum == 0.0f;
 }
 
 }  // namespace
@@ -228,7 +242,7 @@ void DynamicModels::Impl::sample(Candidate& c, const SeenBounds& seen_bounds) co
         find_skin_matrices(model.skins[s], c.joints, matrices);
         const Instance whole{.position = c.state->position, .world_from_mesh = c.state->world_from_model};
         const Box3 box = posed_bounds(skins[tables.first_skin + s], matrices);
-        if (box.is_empty()) continue;
+        if (box.is_empty() || !are_finite(matrices)) continue;
         c.skin_bounds[s] = scene::world_box(whole, box);
         c.skin_matters[s] = seen_bounds.may_matter(c.skin_bounds[s]);
     }

@@ -41,8 +41,7 @@ float farthest(const Mat4x3& m, const Box3& box) {
 /// The greatest length of a track's values; for scales the greatest number.
 float greatest(const Clip& clip, const Track& track) {
     const auto size_of = [&](const float* v) {
-        if (track.path == TrackPath::scale)
-            return std::max({std::fabs(v[0]), std::fabs(v[1]), std::fabs(v[2])});
+        if (track.path == TrackPath::scale) return std::max({std::fabs(v[0]), std::fabs(v[1]), std::fabs(v[2])});
         return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
     };
     const bool is_cubic = track.interpolation == Interpolation::cubic;
@@ -60,8 +59,7 @@ float greatest(const Clip& clip, const Track& track) {
 template <class Visit>
 void each_box(const scene::AnimatedModel& model, std::span<const scene::Mesh> meshes, std::span<const SkinTables> skins,
               Visit&& visit) {
-    for (const scene::RigidPart& part : model.parts)
-        visit(part.joint, part.joint_from_mesh, meshes[part.mesh].bounds);
+    for (const scene::RigidPart& part : model.parts) visit(part.joint, part.joint_from_mesh, meshes[part.mesh].bounds);
     for (std::size_t s = 0; s < skins.size(); ++s)
         for (std::size_t j = 0; j < model.skins[s].joints.size(); ++j)
             visit(model.skins[s].joints[j], model.skins[s].joint_from_mesh[j], skins[s].joint_boxes[j]);

@@ -15,8 +15,8 @@ namespace ff::animation {
 [[nodiscard]] float find_reach(const scene::AnimatedModel& model, std::span<const scene::Mesh> meshes,
                                std::span<const SkinTables> skins);
 
-/// The greatest speed of any point of the model while a clip plays, metres a second, in model space: from samples 1/64 s
-/// apart, with a quarter to spare. Where a STEP track jumps it is that jump's.
+/// The greatest speed of any point of the model while a clip plays, metres a second, in model space: from samples 1/64
+/// s apart, with a quarter to spare. Where a STEP track jumps it is that jump's.
 [[nodiscard]] float find_speed(const scene::AnimatedModel& model, const scene::Clip& clip,
                                std::span<const scene::Mesh> meshes, std::span<const SkinTables> skins);
 

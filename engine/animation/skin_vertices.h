@@ -8,8 +8,9 @@
 
 namespace ff::animation {
 
-/// Linear blend skinning: each vertex by the weighted mean of its joints' matrices, its normal by that mean's cofactors,
-/// which is right for uneven scales and mirrors, too. Vectors of 4 blend the matrices, whole registers apply them.
+/// Linear blend skinning: each vertex by the weighted mean of its joints' matrices, its normal by that mean's
+/// cofactors, which is right for uneven scales and mirrors, too. Vectors of 4 blend the matrices, whole registers apply
+/// them.
 /// @param matrices    [joint of the skin]
 /// @param positions   [vertex_count], written
 /// @param attributes  [vertex_count], of which the normals are written

@@ -14,8 +14,8 @@
 namespace ff::frame {
 
 /// Instances that move, at any distance: cast by tile beams through a small tree of their own and depth-tested against
-/// what the static world shows, however that was found. So neither panorama nor horizon need know of them. Only tiles that
-/// an instance's box may show in are looked at. Steady frames allocate nothing.
+/// what the static world shows, however that was found. So neither panorama nor horizon need know of them. Only tiles
+/// that an instance's box may show in are looked at. Steady frames allocate nothing.
 class DynamicOverlay {
   public:
     explicit DynamicOverlay(const scene::StaticScene& scene);

@@ -57,10 +57,10 @@ struct Track {
 };
 
 struct Clip {
-    std::string name;          ///< not empty; unique within a model
-    float duration_s = 0.0f;   ///< time of the last key
-    std::vector<Track> tracks; /// by joint, then by path; no two of the same
-    std::vector<float> times;  ///< seconds from 0, ascending within a track
+    std::string name;           ///< not empty; unique within a model
+    float duration_s = 0.0f;    ///< time of the last key
+    std::vector<Track> tracks;  /// by joint, then by path; no two of the same
+    std::vector<float> times;   ///< seconds from 0, ascending within a track
     std::vector<float> values;
 };
 
@@ -75,10 +75,10 @@ inline constexpr std::uint32_t kMostInfluences = 8;
 
 /// A mesh whose vertices follow joints.
 struct Skin {
-    std::uint32_t mesh = 0;                  ///< of StaticScene::meshes
-    std::vector<std::uint32_t> joints;       ///< of the skeleton
-    std::vector<Mat4x3> joint_from_mesh;     ///< same length
-    std::uint32_t influences = 1;            ///< of each vertex, [1, kMostInfluences]
+    std::uint32_t mesh = 0;                    ///< of StaticScene::meshes
+    std::vector<std::uint32_t> joints;         ///< of the skeleton
+    std::vector<Mat4x3> joint_from_mesh;       ///< same length
+    std::uint32_t influences = 1;              ///< of each vertex, [1, kMostInfluences]
     std::vector<std::uint16_t> vertex_joints;  ///< [vertex][influence], index into `joints`
     std::vector<float> vertex_weights;         ///< same; each vertex's sum to 1, greatest first
 };

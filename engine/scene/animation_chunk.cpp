@@ -94,11 +94,12 @@ class Reader {
             return;
         }
         for (const disk::AnimatedInstance* i : *table.instances())
-            set.instances.push_back({.model = i->model(),
-                                     .position = {i->x(), i->y(), i->z()},
-                                     .world_from_model = {vec3(i->column_x()), vec3(i->column_y()), vec3(i->column_z())},
-                                     .clip = i->clip(),
-                                     .phase = i->phase()});
+            set.instances.push_back(
+                {.model = i->model(),
+                 .position = {i->x(), i->y(), i->z()},
+                 .world_from_model = {vec3(i->column_x()), vec3(i->column_y()), vec3(i->column_z())},
+                 .clip = i->clip(),
+                 .phase = i->phase()});
     }
     [[nodiscard]] const std::string& problem() const { return problem_; }
 
@@ -123,9 +124,7 @@ class Reader {
         to.resize(bytes / sizeof(T));
         if (bytes > 0) std::memcpy(static_cast<void*>(to.data()), from.Data(), bytes);
     }
-    std::string text(const flatbuffers::String& from) {
-        return takes(from.size()) ? from.str() : std::string();
-    }
+    std::string text(const flatbuffers::String& from) { return takes(from.size()) ? from.str() : std::string(); }
 
     void read(const disk::AnimatedModel& from, AnimatedModel& model) {
         model.name = text(*from.name());

@@ -143,8 +143,7 @@ std::string model_problem(const AnimatedModel& model, std::span<const Mesh> mesh
 }
 
 std::string instance_problem(const AnimatedInstance& instance, const AnimationSet& set) {
-    if (instance.model >= set.models.size())
-        return fmt::format("model {} of {}", instance.model, set.models.size());
+    if (instance.model >= set.models.size()) return fmt::format("model {} of {}", instance.model, set.models.size());
     const auto within = [](double x) { return std::fabs(x) <= kMaxWorldCoordinate; };
     if (!within(instance.position.x) || !within(instance.position.y) || !within(instance.position.z))
         return fmt::format("a position beyond {:g} m of the origin", kMaxWorldCoordinate);
@@ -153,7 +152,8 @@ std::string instance_problem(const AnimatedInstance& instance, const AnimationSe
         return "a matrix that cannot be inverted; expected rotation and scale";
     if (instance.clip != kNoClip && instance.clip >= set.models[instance.model].clips.size())
         return fmt::format("clip {} of {}", instance.clip, set.models[instance.model].clips.size());
-    if (!(instance.phase >= 0.0 && instance.phase < 1.0)) return fmt::format("phase {}; expected [0, 1)", instance.phase);
+    if (!(instance.phase >= 0.0 && instance.phase < 1.0))
+        return fmt::format("phase {}; expected [0, 1)", instance.phase);
     return {};
 }
 

@@ -203,9 +203,9 @@ class WorldLoader {
     /// The meshes themselves are checked only when all is read: until then no more room is given than a mesh could
     /// fill that has all of the pack's vertices and a few copies.
     Status check_pose_room() const {
-        for (const auto& [name, room] : {std::pair("positions", pose_room_.vertices),
-                                         std::pair("mesh_nodes", pose_room_.nodes),
-                                         std::pair("mesh_leaves", pose_room_.leaves)}) {
+        for (const auto& [name, room] :
+             {std::pair("positions", pose_room_.vertices), std::pair("mesh_nodes", pose_room_.nodes),
+              std::pair("mesh_leaves", pose_room_.leaves)}) {
             const assets::PackReader::Chunk* chunk = pack_.find(name);
             if (chunk && (room > kMostPoses * chunk->element_count || chunk->element_count + room > 0xFFFFFFFFu))
                 return pack_.error_in(*chunk, fmt::format("skins of more than its {} elements; expected meshes inside",
@@ -251,8 +251,8 @@ class WorldLoader {
     Status read_world_table() {
         const assets::PackReader::Chunk& chunk = *pack_.find("world");
         if (records_.world.size() > kMaxTableBytes)
-            return pack_.error_in(
-                chunk, fmt::format("{} bytes; expected at most {}", records_.world.size(), kMaxTableBytes));
+            return pack_.error_in(chunk,
+                                  fmt::format("{} bytes; expected at most {}", records_.world.size(), kMaxTableBytes));
         flatbuffers::Verifier verifier(records_.world.data(), records_.world.size());
         if (!disk::VerifyWorldBuffer(verifier))
             return pack_.error_in(chunk, "malformed; expected a FlatBuffer of world.fbs");

@@ -24,8 +24,8 @@ std::uint32_t MovingBvh::add_node(std::span<Item> items) {
     std::span<Item> groups[kBvhWidth] = {items};
     int count = 1;
     while (count < kBvhWidth) {
-        const auto largest = std::max_element(groups, groups + count,
-                                              [](const auto& a, const auto& b) { return a.size() < b.size(); });
+        const auto largest =
+            std::max_element(groups, groups + count, [](const auto& a, const auto& b) { return a.size() < b.size(); });
         if (largest->size() < 2) break;
         Box3 centers;
         for (const Item& item : *largest) centers.add(item.box.center());

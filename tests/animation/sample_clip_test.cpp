@@ -36,8 +36,9 @@ Value reference(const Clip& clip, const Track& track, double time) {
     const auto value = [&](std::uint32_t key, int part) {
         Value v{};
         for (int i = 0; i < n; ++i)
-            v[std::size_t(i)] = double(clip.values[track.first_value + (key * (is_cubic ? 3 : 1) + unsigned(part)) *
-                                                                           unsigned(n) + unsigned(i)]);
+            v[std::size_t(i)] =
+                double(clip.values[track.first_value + (key * (is_cubic ? 3 : 1) + unsigned(part)) * unsigned(n) +
+                                   unsigned(i)]);
         return v;
     };
     const int middle = is_cubic ? 1 : 0;
@@ -97,8 +98,8 @@ TEST(SampleClip, random_clips_are_what_the_reference_in_double_says) {
         constexpr TrackPath kPaths[] = {TrackPath::translation, TrackPath::rotation, TrackPath::scale};
         for (std::uint32_t joint = 0; joint < 3; ++joint)
             for (const TrackPath path : kPaths)
-                test::append_random_track(random, joint, path, Interpolation(random.below(3)),
-                                          1 + int(random.below(9)), 3.0f, clip);
+                test::append_random_track(random, joint, path, Interpolation(random.below(3)), 1 + int(random.below(9)),
+                                          3.0f, clip);
         Pose pose;
         pose.set_rest(joints(3));
         for (int i = 0; i < 60; ++i) {

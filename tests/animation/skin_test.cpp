@@ -14,8 +14,7 @@ namespace {
 JointColumns random_matrix(test::Random& random, float spread) {
     JointColumns m{};
     for (int c = 0; c < 4; ++c)
-        for (int r = 0; r < 3; ++r)
-            m.column[c][r] = float(random.in(-1.0, 1.0)) * spread + (c == r ? 1.0f : 0.0f);
+        for (int r = 0; r < 3; ++r) m.column[c][r] = float(random.in(-1.0, 1.0)) * spread + (c == r ? 1.0f : 0.0f);
     return m;
 }
 
@@ -115,7 +114,8 @@ TEST_F(WormTest, a_refitted_hierarchy_holds_every_triangle_and_no_more) {
             for (int i = 0; i < leaf.triangle_count; ++i)
                 for (int corner = 0; corner < 3; ++corner) {
                     const int slot = leaf.corner[corner][i];
-                    const std::size_t triangle = mesh.first_triangle + std::size_t(leaf.first_triangle) + std::size_t(i);
+                    const std::size_t triangle =
+                        mesh.first_triangle + std::size_t(leaf.first_triangle) + std::size_t(i);
                     const Vec3 p = positions[world->scene().indices[3 * triangle + std::size_t(corner)]];
                     EXPECT_EQ(Vec3(leaf.x[slot], leaf.y[slot], leaf.z[slot]), p);
                 }

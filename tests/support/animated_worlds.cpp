@@ -57,7 +57,7 @@ void append_random_track(Random& random, std::uint32_t joint, scene::TrackPath p
             }
             const bool is_rotation = path == scene::TrackPath::rotation && is_value;
             for (int i = 0; i < numbers; ++i)
-                values.push_back(is_rotation ? v[i] / std::sqrt(squared)
+                values.push_back(is_rotation                                   ? v[i] / std::sqrt(squared)
                                  : path == scene::TrackPath::scale && is_value ? 1.0f + 0.5f * v[i]
                                                                                : v[i]);
         }
@@ -148,8 +148,10 @@ scene::AnimatedModel make_box_cart(scene::SceneData& scene) {
     return model;
 }
 
-std::unique_ptr<scene::World> make_animated_world(const AnimatedWorldSettings& settings) {
-    scene::SceneData scene;
+AnimatedSource make_animated_source(const AnimatedWorldSettings& settings) {
+    AnimatedSource source;
+    scene::SceneData& scene = source.scene;
+    scene::WorldInfo& info = source.info;
     scene.materials.push_back(plain_material());
     scene::MeshSource ground;
     append_box(ground, {-100, -1, -100}, {100, 0, 100}, 20, 0);
@@ -157,7 +159,7 @@ std::unique_ptr<scene::World> make_animated_world(const AnimatedWorldSettings& s
     scene.add_instance(mesh, settings.origin, Mat3(1.0f), 0);
     scene.environment.to_sun = glm::normalize(Vec3(0.4f, 0.7f, 0.3f));
     scene.environment.sun_shadows = true;
-    scene::WorldInfo info{.name = "animated"};
+    info.name = "animated";
     info.animation.models.push_back(make_worm(scene, settings.worm));
     info.animation.models.push_back(make_box_cart(scene));
     const auto place = [&](std::uint32_t model, int i, double z) {
@@ -170,7 +172,12 @@ std::unique_ptr<scene::World> make_animated_world(const AnimatedWorldSettings& s
     for (int i = 0; i < settings.worms; ++i) place(0, i - settings.worms / 2, 0.0);
     for (int i = 0; i < settings.carts; ++i) place(1, i - settings.carts / 2, -settings.spacing_m);
     scene.finish(64);
-    return std::make_unique<scene::World>(std::move(scene), std::move(info));
+    return source;
+}
+
+std::unique_ptr<scene::World> make_animated_world(const AnimatedWorldSettings& settings) {
+    AnimatedSource source = make_animated_source(settings);
+    return std::make_unique<scene::World>(std::move(source.scene), std::move(source.info));
 }
 
 }  // namespace ff::test

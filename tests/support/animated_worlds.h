@@ -24,14 +24,19 @@ struct WormSettings {
 /// A box that slides 4 m along x in clip "roll", with two boxes as wheels on it that turn; no skin.
 [[nodiscard]] scene::AnimatedModel make_box_cart(scene::SceneData& scene);
 
-/// Ground of 200 m a side with `worms` worms and `carts` carts on a grid, each playing at a phase of its own, in sunlight
-/// with shadows.
+/// Ground of 200 m a side with `worms` worms and `carts` carts on a grid, each playing at a phase of its own, in
+/// sunlight with shadows.
 struct AnimatedWorldSettings {
     int worms = 5, carts = 3;
     double spacing_m = 6.0;
     WorldPos origin{0.0};
     WormSettings worm;
 };
+struct AnimatedSource {
+    scene::SceneData scene;  ///< finished
+    scene::WorldInfo info;
+};
+[[nodiscard]] AnimatedSource make_animated_source(const AnimatedWorldSettings& settings = {});
 [[nodiscard]] std::unique_ptr<scene::World> make_animated_world(const AnimatedWorldSettings& settings = {});
 
 }  // namespace ff::test

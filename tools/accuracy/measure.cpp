@@ -42,8 +42,8 @@ std::size_t time_segment(const Bench& bench, std::size_t first, Trial& trial, sh
     std::size_t i = first;
     do {
         const ScheduledFrame& f = bench.frames[i];
-        const auto& stats =
-            trial.renderer->draw(bench.scene.walk.camera(f.walk_frame), bench.scene.dynamic(f.walk_frame), trial.settings, image);
+        const auto& stats = trial.renderer->draw(bench.scene.walk.camera(f.walk_frame),
+                                                 bench.scene.dynamic(f.walk_frame), trial.settings, image);
         if (f.counted) trial.frame_ms[counted++].push_back(stats.frame_ms);
     } while (++i < bench.frames.size() && !bench.frames[i].first);
     return i;

@@ -21,8 +21,8 @@ struct Lone {
     animation::Pose pose;
 
     explicit Lone(const SourceTrack& source, bool even, std::vector<float> times, std::vector<float> values) {
-        const std::uint32_t per_key = scene::components_of(source.path) *
-                                      (source.interpolation == Interpolation::cubic && !even ? 3 : 1);
+        const std::uint32_t per_key =
+            scene::components_of(source.path) * (source.interpolation == Interpolation::cubic && !even ? 3 : 1);
         clip.tracks = {{.joint = 0,
                         .path = source.path,
                         .interpolation = even ? Interpolation::linear : source.interpolation,
@@ -73,9 +73,8 @@ void append(const Lone& lone, std::uint32_t joint, Clip& clip) {
 bool is_constant(const SourceTrack& source, Lone& exact, float allowed) {
     const Vec4 first = exact.at(source.times.front());
     if (source.interpolation == Interpolation::cubic) return false;  // tangents may lead away between equal keys
-    return std::all_of(source.times.begin(), source.times.end(), [&](float time) {
-        return difference(source.path, exact.at(time), first) <= 0.5f * allowed;
-    });
+    return std::all_of(source.times.begin(), source.times.end(),
+                       [&](float time) { return difference(source.path, exact.at(time), first) <= 0.5f * allowed; });
 }
 
 /// Samples `steps` + 1 values, where they are close enough everywhere that it is looked: eight times between samples,

@@ -73,8 +73,8 @@ Result<std::vector<Mat4x3>> read_inverse_binds(const GltfData& data, const json&
     const std::string at = place + ".inverseBindMatrices";
     FF_ASSIGN(const std::vector<float> values, read_floats(data, skin.at("inverseBindMatrices").get<int>(), 16, at));
     if (values.size() < 16 * joints)
-        return data.file.error(at, fmt::format("{} matrices; expected one for each of the {} joints",
-                                               values.size() / 16, joints));
+        return data.file.error(
+            at, fmt::format("{} matrices; expected one for each of the {} joints", values.size() / 16, joints));
     std::vector<Mat4x3> out(joints);
     for (std::size_t j = 0; j < joints; ++j)
         for (int c = 0; c < 4; ++c)

@@ -37,8 +37,8 @@ Status normalize_rotations(const GltfData& data, SourceTrack& track, const std::
     const std::size_t stride = track.interpolation == Interpolation::cubic ? 12 : 4;
     for (std::size_t k = 0; k < track.times.size(); ++k) {
         float* q = track.values.data() + k * stride + (stride == 12 ? 4 : 0);
-        const double length = std::sqrt(double(q[0]) * q[0] + double(q[1]) * q[1] + double(q[2]) * q[2] +
-                                        double(q[3]) * q[3]);
+        const double length =
+            std::sqrt(double(q[0]) * q[0] + double(q[1]) * q[1] + double(q[2]) * q[2] + double(q[3]) * q[3]);
         if (!(length > 1e-6))
             return data.file.error(fmt::format("{}: element {}", place, k),
                                    "a rotation of length 0; expected a unit quaternion");
@@ -60,9 +60,9 @@ Result<SourceTrack> read_track(const GltfData& data, const json& sampler, TrackP
     FF_ASSIGN(track.values, read_floats(data, sampler.at("output").get<int>(), components, place + ".output"));
     const std::size_t expected = track.times.size() * (track.interpolation == Interpolation::cubic ? 3 : 1);
     if (track.values.size() != expected * components)
-        return data.file.error(place + ".output", fmt::format("{} values; expected {} for {} times",
-                                                              track.values.size() / components, expected,
-                                                              track.times.size()));
+        return data.file.error(place + ".output",
+                               fmt::format("{} values; expected {} for {} times", track.values.size() / components,
+                                           expected, track.times.size()));
     if (path == TrackPath::rotation) FF_TRY(normalize_rotations(data, track, place + ".output"));
     for (std::size_t i = 0; i < track.values.size(); ++i)
         if (!(std::fabs(track.values[i]) <= 1e8f))
@@ -97,15 +97,14 @@ Result<std::vector<scene::Clip>> read_clips(const GltfData& data, const std::vec
             const json& target = channel.at("target");
             const auto path = path_of(target.at("path").get<std::string>());
             if (target.at("path") == "weights")
-                context.warn(fmt::format("{}: animation \"{}\" moves morph targets; it plays without", data.file.name,
-                                         name));
+                context.warn(
+                    fmt::format("{}: animation \"{}\" moves morph targets; it plays without", data.file.name, name));
             if (!path || !target.contains("node")) continue;
             const std::uint32_t joint = joint_of_node[target.at("node").get<std::size_t>()];
             if (joint == scene::kNoJoint) continue;
             const auto sampler = channel.at("sampler").get<std::size_t>();
-            FF_ASSIGN(SourceTrack track,
-                      read_track(data, animation.at("samplers")[sampler], *path, joint,
-                                 fmt::format("animations[{}].samplers[{}]", a, sampler)));
+            FF_ASSIGN(SourceTrack track, read_track(data, animation.at("samplers")[sampler], *path, joint,
+                                                    fmt::format("animations[{}].samplers[{}]", a, sampler)));
             tracks.push_back(std::move(track));
         }
         if (tracks.empty()) continue;

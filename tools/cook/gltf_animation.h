@@ -16,7 +16,7 @@ namespace ff::cook {
 /// @param size_m         of the model, for kMaxTranslationError
 /// Errors: times that are negative or do not ascend; other numbers of values than of times; rotations of length 0.
 [[nodiscard]] Result<std::vector<scene::Clip>> read_clips(const GltfData& data,
-                                                          const std::vector<std::uint32_t>& joint_of_node,
-                                                          float size_m, CookContext& context);
+                                                          const std::vector<std::uint32_t>& joint_of_node, float size_m,
+                                                          CookContext& context);
 
 }  // namespace ff::cook

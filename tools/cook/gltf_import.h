@@ -54,7 +54,8 @@ enum class ModelKind : std::uint8_t {
 [[nodiscard]] Result<Model> import_gltf(const std::filesystem::path& path, WorldSource& into, CookContext& context,
                                         ModelKind kind = ModelKind::still);
 
-/// Places every part of a still model in the world: world_from_model * part. Kind `merge` for static things placed once.
+/// Places every part of a still model in the world: world_from_model * part. Kind `merge` for static things placed
+/// once.
 /// @param stands_clear  see Placement; set for what is scattered
 void place_model(const Model& model, const DVec3& position, const DMat3& world_from_model, PlacementKind kind,
                  WorldSource& into, bool stands_clear = false);

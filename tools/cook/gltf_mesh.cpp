@@ -141,7 +141,8 @@ Status append_influences(const GltfData& data, const PrimitiveStreams& streams, 
                                        fmt::format("{}; expected below the skin's {} joints", joint, skin.joint_count));
             all.push_back({static_cast<std::uint16_t>(joint), weight});
         }
-    std::stable_sort(all.begin(), all.end(), [](const Influence& a, const Influence& b) { return a.weight > b.weight; });
+    std::stable_sort(all.begin(), all.end(),
+                     [](const Influence& a, const Influence& b) { return a.weight > b.weight; });
     if (all.empty()) all.push_back({0, 1.0f});
     all.resize(scene::kMostInfluences, {all[0].joint, 0.0f});
     float sum = 0.0f;

@@ -158,8 +158,10 @@ bool append_joint(const tinygltf::Node& node, std::uint32_t parent, scene::Skele
     const Affine local = local_transform(node);
     DMat3 axes = local.linear;
     DVec3 scale(glm::length(axes[0]), glm::length(axes[1]), glm::length(axes[2]));
-    if (node.matrix.size() != 16 && node.scale.size() == 3) scale = {node.scale[0], node.scale[1], node.scale[2]};
-    else if (glm::determinant(axes) < 0.0) scale.x = -scale.x;
+    if (node.matrix.size() != 16 && node.scale.size() == 3)
+        scale = {node.scale[0], node.scale[1], node.scale[2]};
+    else if (glm::determinant(axes) < 0.0)
+        scale.x = -scale.x;
     glm::dquat rotation(1.0, 0.0, 0.0, 0.0);
     if (node.matrix.size() != 16) {
         if (const auto& q = node.rotation; q.size() == 4) rotation = glm::dquat(q[3], q[0], q[1], q[2]);
@@ -202,12 +204,12 @@ Result<NodeSkeleton> read_skeleton(const GltfData& data, CookContext& context) {
         const tinygltf::Node& node = data.model.nodes[index];
         const std::uint32_t joint = out.skeleton.size();
         if (joint >= scene::kMostJoints)
-            return data.file.error("nodes", fmt::format("more than {}; expected fewer of a model that is animated",
-                                                        scene::kMostJoints));
+            return data.file.error(
+                "nodes", fmt::format("more than {}; expected fewer of a model that is animated", scene::kMostJoints));
         out.joint_of_node[index] = joint;
         if (!append_joint(node, pending.parent, out.skeleton))
-            context.warn(fmt::format("{}: a node's matrix shears; the animated model is drawn without that",
-                                     data.file.name));
+            context.warn(
+                fmt::format("{}: a node's matrix shears; the animated model is drawn without that", data.file.name));
         if (node.mesh >= 0) {
             const json& source = data.file.json.at("nodes")[index];
             NodeMesh mesh{.mesh = static_cast<std::size_t>(node.mesh), .joint = joint};

@@ -25,9 +25,9 @@ struct NodeInstance {
 
 /// A mesh that a node shows.
 struct NodeMesh {
-    std::size_t mesh = 0;            ///< glTF mesh
-    std::size_t skin = kNoSkin;      ///< glTF skin; then the node's own transform does not matter
-    std::uint32_t joint = 0;         ///< of the skeleton: the node
+    std::size_t mesh = 0;        ///< glTF mesh
+    std::size_t skin = kNoSkin;  ///< glTF skin; then the node's own transform does not matter
+    std::uint32_t joint = 0;     ///< of the skeleton: the node
     scene::Mat4x3 joint_from_mesh{1.0f};
     static constexpr std::size_t kNoSkin = ~std::size_t{0};
 };

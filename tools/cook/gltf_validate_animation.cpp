@@ -106,8 +106,8 @@ class AnimationValidator {
                 return file_.error(at + ".target.path", "none; expected a string");
             if (target->contains("node") &&
                 !targets.emplace(target->at("node").get<std::uint64_t>(), path->get<std::string>()).second)
-                return file_.error(at + ".target", fmt::format("{} a second time; expected each once",
-                                                               described(*target)));
+                return file_.error(at + ".target",
+                                   fmt::format("{} a second time; expected each once", described(*target)));
         }
         return {};
     }
