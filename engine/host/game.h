@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "engine/animation/dynamic_models.h"
 #include "engine/core/result.h"
 #include "engine/loop/controls.h"
 #include "engine/loop/user_command.h"
@@ -43,7 +44,8 @@ struct SunPosition {
 struct GameView {
     Camera camera;
     std::vector<scene::Instance> dynamic;
-    std::optional<SunPosition> sun;  ///< nothing: as the world has it
+    std::vector<animation::ModelState> models;  ///< that move of themselves, in poses of now
+    std::optional<SunPosition> sun;             ///< nothing: as the world has it
     std::vector<HudItem> hud;
     double turn_scale = 1.0;  ///< of looking around: below 1 through a spyglass
 };

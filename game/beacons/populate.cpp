@@ -64,7 +64,8 @@ class Populator {
     }
 
     Model model_of(const NamedPlace& place) const {
-        return {place.first_instance, place.instance_count, place.position, turn_of(place.yaw)};
+        return {place.first_instance, place.instance_count, place.first_animated,
+                place.animated_count, place.position,       turn_of(place.yaw)};
     }
 
     void add_beacons() {
@@ -93,14 +94,13 @@ class Populator {
     void add_flocks() {
         std::uint32_t flock = 0;
         for (const NamedPlace* place : places_called(world_, "flock")) {
-            // Each instance of the model is a bird.
-            for (std::uint32_t i = 0; i < place->instance_count; ++i) {
-                const double angle = 2.0 * kPi * i / std::max(1u, place->instance_count);
-                const DVec3 offset(8.0 * std::cos(angle), 2.0 * std::sin(3.0 * angle), 8.0 * std::sin(angle));
-                const Vec3 velocity(float(-6.0 * std::sin(angle)), 0.0f, float(6.0 * std::cos(angle)));
-                const Model model{place->first_instance + i, 1, place->position, turn_of(place->yaw)};
+            for (std::uint32_t i = 0; i < kFlock; ++i) {
+                const double angle = 2.0 * kPi * i / kFlock;
+                const DVec3 offset(9.0 * std::cos(angle), 2.0 * std::sin(3.0 * angle), 9.0 * std::sin(angle));
+                const Vec3 velocity(float(-7.0 * std::sin(angle)), 0.0f, float(7.0 * std::cos(angle)));
                 s_.level.birds.push_back(add(fmt::format("bird {} of {}", i + 1, place->name),
-                                             standing_at(place->position + offset, 0.0), model, Bird{velocity, flock}));
+                                             standing_at(place->position + offset, 0.0), model_of(*place),
+                                             Bird{velocity, flock}));
             }
             ++flock;
         }

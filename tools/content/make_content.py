@@ -13,6 +13,7 @@ import facades
 import grounds
 import landmarks
 import leaves
+import moving
 import props
 import trees
 
@@ -51,6 +52,9 @@ MODELS = {
     "beacon": landmarks.beacon,
     "beacon_fire": landmarks.beacon_fire,
     "gate": landmarks.gate,
+    "bird": moving.bird,
+    "cart": moving.cart,
+    "flag": moving.flag,
 }
 
 

@@ -7,8 +7,8 @@
 #include "engine/core/log.h"
 #include "engine/core/quantile.h"
 #include "engine/core/stopwatch.h"
-#include "engine/frame/renderer.h"
 #include "engine/host/replay_session.h"
+#include "engine/host/view_drawer.h"
 #include "engine/scene/load_world.h"
 #include "game/beacons/beacons_game.h"
 #include "tools/ff/session.h"
@@ -24,9 +24,7 @@ constexpr std::uint64_t kTicksPerFrame = host::kTicksPerSecond / kFramesPerSecon
 /// Draws a replay as it goes.
 class ReplayDrawer {
   public:
-    ReplayDrawer(const ReplayOptions& options, const scene::World& world)
-        : casters_(world.scene()),
-          renderer_(world.scene(), casters_, nullptr, options.size.width, options.size.height) {
+    ReplayDrawer(const ReplayOptions& options, scene::World& world) : drawer_(world, nullptr), size_(options.size) {
         settings_.budget_ms = options.budget_ms;
     }
 
@@ -38,8 +36,8 @@ class ReplayDrawer {
     }
     Status draw(host::Game& game) {
         game.show(0.0, view_);
-        frame_ms_.push_back(renderer_.draw(view_.camera, view_.dynamic, settings_, image_).frame_ms);
-        FF_TRY(renderer_.refusal());
+        FF_TRY(drawer_.draw(view_, size_.width, size_.height, settings_, image_));
+        frame_ms_.push_back(drawer_.stats().frame_ms);
         return video_ ? video_->add(image_) : Status{};
     }
     [[nodiscard]] const shading::Image& image() const { return image_; }
@@ -47,8 +45,8 @@ class ReplayDrawer {
     [[nodiscard]] const std::vector<double>& frame_ms() const { return frame_ms_; }
 
   private:
-    frame::Casters casters_;
-    frame::Renderer renderer_;
+    host::ViewDrawer drawer_;
+    ImageSize size_;
     frame::FrameSettings settings_;
     host::GameView view_;
     shading::Image image_;
@@ -112,9 +110,9 @@ Status run_replay(const ReplayOptions& options) {
     }
     if (drawer) FF_TRY(drawer->close());
     if (!options.picture.empty()) {
-        ReplayDrawer last(options, *world);
-        FF_TRY(last.draw(session->game()));
-        FF_TRY(write_image(options.picture, last.image()));
+        if (!drawer) drawer.emplace(options, *world);
+        FF_TRY(drawer->draw(session->game()));
+        FF_TRY(write_image(options.picture, drawer->image()));
     }
     const double tick_us = 1e6 * tick_s / double(std::max<std::uint64_t>(1, session->tick()));
     if (options.json)
