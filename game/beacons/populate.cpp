@@ -40,6 +40,7 @@ class Populator {
         if (s_.level.beacons.empty())
             return bad_input(fmt::format("{}: has no place called beacon.1; expected one for each beacon of the game",
                                          world_.info().name));
+        add_scenery();
         FF_TRY(add_travellers("cart", 1.6f, 0.0f));
         FF_TRY(add_travellers("boat", 2.0f, 0.12f));
         add_flocks();
@@ -53,6 +54,19 @@ class Populator {
         s_.level.names.resize(std::max<std::size_t>(s_.level.names.size(), entity.index + 1));
         s_.level.names[entity.index] = name;
         return entity;
+    }
+
+    void add_scenery() {
+        const scene::WorldInfo& info = world_.info();
+        std::vector<bool> named(info.dynamic_instances.size()), named_animated(info.animation.instances.size());
+        for (const NamedPlace& place : info.places) {
+            for (std::uint32_t i = 0; i < place.instance_count; ++i) named[place.first_instance + i] = true;
+            for (std::uint32_t i = 0; i < place.animated_count; ++i) named_animated[place.first_animated + i] = true;
+        }
+        for (std::uint32_t i = 0; i < named.size(); ++i)
+            if (!named[i]) s_.level.scenery.push_back({.first_instance = i, .instance_count = 1});
+        for (std::uint32_t i = 0; i < named_animated.size(); ++i)
+            if (!named_animated[i]) s_.level.scenery.push_back({.first_animated = i, .animated_count = 1});
     }
 
     void add_player() {

@@ -138,6 +138,8 @@ void show_state(State& state, double fraction, host::GameView& out) {
             // No two wings beat as one.
             add_model(world, model, between(before, at, fraction), seconds + 0.37 * number++, out);
         });
+    for (const Model& model : state.level.scenery)
+        add_model(world, model, {model.placed_at, model.placed_turn}, seconds + 0.37 * number++, out);
     // What burns where a beacon is lit stands in the world at the place of the beacon's fire.
     for (const ecs::Entity entity : state.level.beacons) {
         const Beacon& beacon = *registry.get<Beacon>(entity);
