@@ -186,7 +186,7 @@ std::uint64_t blend_layers(const farfield::LayerScene& scene, const PinholeView&
     const std::span<const scene::Instance> dynamic =
         scene.dynamic != nullptr ? scene.dynamic->instances : std::span<const scene::Instance>();
     const ShadeFrame frame{scene.scene,        dynamic,  view,
-                           scratch.visibility, settings, make_uniforms(scene.scene.environment, view.pixel_angle()),
+                           scratch.visibility, settings, make_uniforms(scene.scene.environment, view),
                            scratch.image};
     const farfield::beam::BeamView beam_view(view);
     std::atomic<std::uint64_t> shaded{0};

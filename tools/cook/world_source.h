@@ -58,6 +58,7 @@ struct WorldSource {
     std::vector<SourceMesh> meshes;
     std::vector<Placement> placements;
     scene::Environment environment;
+    std::vector<scene::Lamp> lamps;
     std::vector<std::uint16_t> sky_panorama;  ///< see Environment::panorama
     DVec3 spawn_position{0.0};
     double spawn_yaw_deg = 0.0;

@@ -146,6 +146,12 @@ Result<std::unique_ptr<Session>> Session::open(const ViewOptions& options, std::
     return session;
 }
 
+frame::FrameSettings Session::settings_at(std::size_t frame) const {
+    frame::FrameSettings settings = settings_;
+    settings.time_s = double(frame) / walk_.rate_hz;
+    return settings;
+}
+
 nearfield::NearRenderer* Session::near_renderer() {
     return gl_ ? gl_->renderer() : nullptr;
 }

@@ -51,6 +51,8 @@ class Session {
     [[nodiscard]] const scene::Walk& walk() const { return walk_; }
     /// What the options ask for, see chosen_settings.
     [[nodiscard]] const frame::FrameSettings& settings() const { return settings_; }
+    /// The same at the time of a frame of the walk.
+    [[nodiscard]] frame::FrameSettings settings_at(std::size_t frame) const;
     [[nodiscard]] std::span<const scene::Instance> dynamic() const { return dynamic_; }
     [[nodiscard]] frame::Casters& casters() { return *casters_; }
     [[nodiscard]] nearfield::NearRenderer* near_renderer();
