@@ -110,7 +110,7 @@ class MeasureTest : public testing::Test {
     LabScene scene() {
         return {.world = world_,
                 .walk = walk_,
-                .dynamic = {},
+                .moving = {},
                 .width = 96,
                 .height = 64,
                 .make_renderer = [this](int width, int height) {
