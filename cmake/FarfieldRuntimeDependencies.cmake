@@ -10,6 +10,7 @@ find_package(glfw3 3.3 CONFIG REQUIRED)
 find_package(zstd CONFIG REQUIRED)
 find_package(Bullet MODULE REQUIRED) # its own config names a library that Debian does not ship
 find_package(nlohmann_json CONFIG REQUIRED)
+find_package(tomlplusplus CONFIG REQUIRED)
 pkg_check_modules(xxhash REQUIRED IMPORTED_TARGET GLOBAL libxxhash)
 pkg_check_modules(hwy REQUIRED IMPORTED_TARGET GLOBAL libhwy)
 pkg_check_modules(epoxy REQUIRED IMPORTED_TARGET GLOBAL epoxy)

@@ -9,7 +9,6 @@
 #include "engine/farfield/cast_cost_sum.h"
 #include "engine/farfield/sun_group.h"
 #include "engine/farfield/sun_points.h"
-#include "engine/scene/scene_data.h"
 
 namespace ff::farfield {
 
@@ -29,9 +28,7 @@ const scene::StaticScene& SunRays::moving(std::span<const scene::Instance> dynam
     moving_.instances = dynamic;
     moving_.bounds = {};
     for (const scene::Instance& instance : dynamic) moving_.bounds.add(instance.bounds);
-    moving_nodes_.clear();
-    if (!dynamic.empty()) scene::build_instance_bvh(dynamic, scene_.origin, moving_nodes_);
-    moving_.instance_nodes = moving_nodes_;
+    moving_.instance_nodes = moving_bvh_.build(dynamic, scene_.origin);
     return moving_;
 }
 
@@ -95,6 +92,22 @@ CastCost SunRays::cast(const PinholeView& view, const VisibilityBuffer& visibili
         shared.add(cost);
     });
     return shared.total();
+}
+
+void SunRays::begin_tiles(std::span<const scene::Instance> dynamic, const Vec3& to_sun) {
+    (void)moving(dynamic);
+    to_sun_ = to_sun;
+}
+
+CastCost SunRays::cast_tile(const PinholeView& view, const VisibilityBuffer& visibility, const TileRequest& tile,
+                            std::uint8_t* lit) const {
+    const LightFrame light(to_sun_);
+    CastCost cost;
+    KnownOccluders known;
+    PointPool pool;
+    gather_tile(scene_, moving_.instances, view, light, visibility, tile, lit, pool);
+    cast_pool(scene_, moving_, pool, view.position, light, known, lit, cost);
+    return cost;
 }
 
 CastCost SunRays::cast_points(const WorldPos& origin, std::span<const SunPoint> points,

@@ -8,6 +8,7 @@
 #include "engine/farfield/ray_caster.h"
 #include "engine/farfield/visibility_buffer.h"
 #include "engine/math/camera.h"
+#include "engine/scene/moving_bvh.h"
 #include "engine/scene/static_scene.h"
 
 namespace ff::farfield {
@@ -41,7 +42,7 @@ struct SunPoint {
 /// ray begins sun_ray_offset() above it.
 ///
 /// Threads: casts use the workers of jobs.h themselves; not to be called from two threads at once. Results and costs do
-/// not depend on the number of workers. Steady calls allocate nothing as long as nothing moves.
+/// not depend on the number of workers. Steady calls allocate nothing.
 class SunRays {
   public:
     /// @param scene  its arrays must outlive this
@@ -63,13 +64,21 @@ class SunRays {
     CastCost cast_points(const WorldPos& origin, std::span<const SunPoint> points,
                          std::span<const scene::Instance> dynamic, const Vec3& to_sun, std::uint8_t* lit);
 
+    /// Makes ready for cast_tile().
+    /// @param dynamic  as in cast(); has to outlive the calls
+    void begin_tiles(std::span<const scene::Instance> dynamic, const Vec3& to_sun);
+    /// As cast(), for one tile. Unlike it, any workers may call this at once, for tiles of their own.
+    CastCost cast_tile(const PinholeView& view, const VisibilityBuffer& visibility, const TileRequest& tile,
+                       std::uint8_t* lit) const;
+
   private:
     // The scene with these instances, and a tree over them, in place of its own.
     [[nodiscard]] const scene::StaticScene& moving(std::span<const scene::Instance> dynamic);
 
     scene::StaticScene scene_;
     scene::StaticScene moving_;
-    std::vector<scene::BvhNode> moving_nodes_;
+    scene::MovingBvh moving_bvh_;
+    Vec3 to_sun_{0.0f, 1.0f, 0.0f};  // of cast_tile()
 };
 
 }  // namespace ff::farfield

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "engine/scene/animation.h"
 #include "engine/scene/environment.h"
 #include "engine/scene/scene_data.h"
 
@@ -51,17 +52,28 @@ struct SourceWalk {
     std::vector<WalkFrame> frames;
 };
 
+/// A place with a name, and the placements of the model that stands there.
+struct SourcePlace {
+    std::string name;
+    DVec3 position{0.0};
+    double yaw_deg = 0.0;
+    std::size_t first_placement = 0, placement_count = 0;
+    std::uint32_t first_animated = 0, animated_count = 0;  ///< of WorldSource::animation.instances
+};
+
 struct WorldSource {
     std::string name;
     std::vector<SourceTexture> textures;
     std::vector<scene::Material> materials;  ///< texture ids index `textures`
     std::vector<SourceMesh> meshes;
     std::vector<Placement> placements;
+    scene::AnimationSet animation;  ///< parts and skins name `meshes`; skins have weights for their mesh's vertices
     scene::Environment environment;
     std::vector<std::uint16_t> sky_panorama;  ///< see Environment::panorama
     DVec3 spawn_position{0.0};
     double spawn_yaw_deg = 0.0;
     std::vector<SourceWalk> walks;
+    std::vector<SourcePlace> places;
     std::uint64_t bytes_in = 0;  ///< of all source files read
 };
 

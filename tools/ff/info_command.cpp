@@ -35,7 +35,7 @@ Status run_info(const InfoOptions& options) {
                               {"triangles", statistics.triangles},
                               {"instanced_triangles", statistics.instanced_triangles},
                               {"vertices", statistics.vertices},
-                              {"meshes", scene.meshes.size()},
+                              {"meshes", scene.meshes.size() - scene.posed_mesh_count},
                               {"instances", scene.instances.size()},
                               {"dynamic_instances", world->info().dynamic_instances.size()},
                               {"cells", scene.cells.size()},
@@ -57,9 +57,9 @@ Status run_info(const InfoOptions& options) {
         "  from ({:.0f}, {:.0f}, {:.0f}) to ({:.0f}, {:.0f}, {:.0f}) m\n  walks:",
         world->info().name, 1e-6 * double(reader.file_bytes()), 1e-6 * double(statistics.memory_bytes),
         statistics.triangles, statistics.instanced_triangles, statistics.vertices, scene.cells.size(),
-        scene.meshes.size(), scene.instances.size(), world->info().dynamic_instances.size(), scene.materials.size(),
-        scene.textures.size(), scene.bounds.low.x, scene.bounds.low.y, scene.bounds.low.z, scene.bounds.high.x,
-        scene.bounds.high.y, scene.bounds.high.z);
+        scene.meshes.size() - scene.posed_mesh_count, scene.instances.size(), world->info().dynamic_instances.size(),
+        scene.materials.size(), scene.textures.size(), scene.bounds.low.x, scene.bounds.low.y, scene.bounds.low.z,
+        scene.bounds.high.x, scene.bounds.high.y, scene.bounds.high.z);
     for (const scene::Walk& walk : world->info().walks)
         text += fmt::format(" {} ({} frames)", walk.name, walk.frames.size());
     std::printf("%s\n", text.c_str());

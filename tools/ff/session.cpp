@@ -10,7 +10,6 @@
 #include "engine/gl/device.h"
 #include "engine/nearfield/near_renderer.h"
 #include "engine/platform/headless.h"
-#include "engine/scene/instance_bounds.h"
 #include "engine/scene/load_world.h"
 #include "tools/accuracy/choose.h"
 #include "tools/cook/cook.h"
@@ -64,6 +63,9 @@ Result<frame::FrameSettings> chosen_settings(const ViewOptions& options, const s
                                              const scene::Walk& walk) {
     frame::FrameSettings settings = options.frame;
     if (!options.max_error_px && !options.min_psnr_db) return settings;
+    if (settings.mode != frame::Mode::hybrid)
+        return usage_error(
+            "--max-error-px and --min-psnr choose settings of mode hybrid: no other --mode goes with them");
     accuracy::Limits limits;
     if (options.max_error_px) limits.max_displacement_px = *options.max_error_px;
     if (options.min_psnr_db) limits.min_psnr_db = *options.min_psnr_db;
@@ -85,20 +87,6 @@ Result<scene::Walk> find_walk(const scene::World& world, const std::string& name
     for (const scene::Walk& walk : world.info().walks) names += (names.empty() ? "" : ", ") + walk.name;
     return bad_input(
         fmt::format("--walk {}: neither a file nor a walk of this pack, which has {}", name_or_file, names));
-}
-
-scene::Instance make_instance(const scene::StaticScene& scene, const scene::DynamicInstance& moving) {
-    scene::Instance instance{
-        .position = moving.position, .world_from_mesh = moving.world_from_mesh, .mesh = moving.mesh};
-    instance.bounds = scene::world_box(instance, scene.meshes[moving.mesh].bounds);
-    return instance;
-}
-
-std::vector<scene::Instance> dynamic_instances(const scene::World& world) {
-    std::vector<scene::Instance> instances;
-    for (const scene::DynamicInstance& moving : world.info().dynamic_instances)
-        instances.push_back(make_instance(world.scene(), moving));
-    return instances;
 }
 
 class HeadlessGl {
@@ -126,7 +114,7 @@ Result<std::unique_ptr<Session>> Session::open(const ViewOptions& options, std::
     FF_ASSIGN(session->walk_, find_walk(*session->world_, options.walk));
     FF_ASSIGN(session->settings_, chosen_settings(options, *session->world_, session->walk_));
     session->casters_ = std::make_unique<frame::Casters>(session->world_->scene());
-    session->dynamic_ = dynamic_instances(*session->world_);
+    session->moving_.emplace(*session->world_);
 
     bool needs_gl = session->settings_.fixed_near_m.value_or(0.0) > 0.0;
     for (const frame::Mode mode : modes) needs_gl |= mode == frame::Mode::raster || mode == frame::Mode::near;
@@ -144,6 +132,10 @@ Result<std::unique_ptr<Session>> Session::open(const ViewOptions& options, std::
         if (!options.use_occlusion) session->near_renderer()->set_occlusion({.enabled = false});
     }
     return session;
+}
+
+std::span<const scene::Instance> Session::dynamic(std::size_t frame, const ImageSize& size) {
+    return moving_->at(double(frame) / walk_.rate_hz, walk_.camera(frame), size);
 }
 
 nearfield::NearRenderer* Session::near_renderer() {
