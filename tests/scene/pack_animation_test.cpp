@@ -138,9 +138,9 @@ TEST(PackAnimation, a_chunk_with_any_byte_changed_or_cut_is_read_or_refused) {
     AnimationSet read;
     ASSERT_EQ(animation_from_bytes(good, read), "");
     for (std::size_t i = 0; i < good.size(); ++i)
-        for (const std::uint8_t change : {0x01, 0x80, 0xFF}) {
+        for (const unsigned change : {0x01u, 0x80u, 0xFFu}) {
             std::vector<std::uint8_t> bad = good;
-            bad[i] ^= change;
+            bad[i] = std::uint8_t(bad[i] ^ change);
             AnimationSet set;
             if (animation_from_bytes(bad, set).empty()) (void)find_animation_problem(set, source.scene.meshes);
         }
