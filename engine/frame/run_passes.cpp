@@ -165,8 +165,12 @@ void blend_layers(const FramePlan& plan, const Tools& tools, FrameHistory& histo
     const TimedPass timed(stats, Pass::blend);
     const farfield::LayerScene layers{tools.scene, tools.layer_index,
                                       plan.dynamic.empty() ? nullptr : &tools.dynamic_overlay.moving()};
-    stats.layers = shading::blend_layers(layers, plan.view, history.visibility, history.all_tiles,
-                                         shade_settings(plan, nullptr), history.layers, image);
+    const farfield::SunRays* const sun = begin_sun_of_layers(plan, tools.scene, history.sun);
+    const shading::LayerCounts counts =
+        shading::blend_layers(layers, plan.view, history.visibility, history.all_tiles, shade_settings(plan, nullptr),
+                              sun, history.layers, image);
+    stats.layers = counts.shaded;
+    stats.sun_rays += counts.sun_rays;
 }
 
 /// The map for frames like this one, told where the viewer stands.

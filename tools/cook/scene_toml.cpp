@@ -43,6 +43,7 @@ class SceneBuilder {
         context_.end_stage("buildings");
         FF_TRY(add_models([](const ModelDescription& m) { return m.position_m.size() == 2 && !m.dynamic; }));
         FF_TRY(add_models([](const ModelDescription& m) { return m.dynamic; }));
+        add_places();
         ground_end_ = world_.placements.size();
         FF_TRY(add_scatters());
         if (scale_ > 1 && !scene_.town) copy_static_content(world_, static_bounds(), scale_);
@@ -248,6 +249,15 @@ class SceneBuilder {
         return {};
     }
 
+    void add_places() {
+        for (const PlaceDescription& described : scene_.places) {
+            const std::vector<double>& p = described.position_m;
+            DVec3 position(p.front(), 0, p.back());
+            position.y = p.size() == 3 ? p[1] : ground_now()(position.x, position.z).value_or(0.0);
+            world_.places.push_back({.name = described.name, .position = position, .yaw_deg = described.yaw_deg});
+        }
+    }
+
     Status add_models(bool (*is_wanted)(const ModelDescription&)) {
         for (const ModelDescription& described : scene_.models) {
             if (!is_wanted(described)) continue;
@@ -260,6 +270,8 @@ class SceneBuilder {
             const long uses = std::count_if(scene_.models.begin(), scene_.models.end(),
                                             [&](const ModelDescription& m) { return m.file == described.file; });
             const DMat3 turn = world_from_yaw(described.yaw_deg, described.scale);
+            const std::size_t first_placement = world_.placements.size();
+            const auto first_animated = std::uint32_t(world_.animation.instances.size());
             if (loaded->animated) {
                 FF_TRY(place_animated(described, *loaded->animated, position, Mat3(turn)));
             } else if (described.dynamic) {
@@ -273,6 +285,15 @@ class SceneBuilder {
                          .world_from_mesh = Mat3(turn * part.model_from_mesh),
                          .kind = part.use_count > 1 || uses > 1 ? PlacementKind::instance : PlacementKind::merge});
             }
+            if (!described.name.empty())
+                world_.places.push_back(
+                    {.name = described.name,
+                     .position = position,
+                     .yaw_deg = described.yaw_deg,
+                     .first_placement = first_placement,
+                     .placement_count = world_.placements.size() - first_placement,
+                     .first_animated = first_animated,
+                     .animated_count = std::uint32_t(world_.animation.instances.size()) - first_animated});
             // A model that is the ground blocks nothing, nor does one that hangs in the air.
             constexpr double kClearM = 3.0;
             if (below && !loaded->bounds.is_empty() &&
