@@ -138,7 +138,7 @@ TEST(PackAnimation, a_chunk_with_any_byte_changed_or_cut_is_read_or_refused) {
     AnimationSet read;
     ASSERT_EQ(animation_from_bytes(good, read), "");
     for (std::size_t i = 0; i < good.size(); ++i)
-        for (const int change : {0x01, 0x80, 0xFF}) {
+        for (const unsigned change : {0x01u, 0x80u, 0xFFu}) {
             std::vector<std::uint8_t> bad = good;
             bad[i] = std::uint8_t(bad[i] ^ change);
             AnimationSet set;
