@@ -17,7 +17,6 @@ namespace hn = hwy::HWY_NAMESPACE;
 using F = hn::CappedTag<float, 16>;
 using VF = hn::Vec<F>;
 constexpr F f;
-constexpr hn::RebindToSigned<F> si;
 constexpr hn::RebindToUnsigned<F> ui;
 constexpr hn::FixedTag<float, 4> f4;
 constexpr std::size_t kBlock = 64;  // vertices: 4 KiB of blended matrices on the stack
