@@ -167,7 +167,7 @@ AnimatedSource make_animated_source(const AnimatedWorldSettings& settings) {
                                             .position = settings.origin + DVec3(settings.spacing_m * i, 0.0, z),
                                             .world_from_model = turned_and_scaled(0.3 * i, Vec3(1.0f)),
                                             .clip = 0,
-                                            .phase = 0.07 * double(i % 14)});
+                                            .phase = 0.07 * double((i + 1400) % 14)});
     };
     for (int i = 0; i < settings.worms; ++i) place(0, i - settings.worms / 2, 0.0);
     for (int i = 0; i < settings.carts; ++i) place(1, i - settings.carts / 2, -settings.spacing_m);
