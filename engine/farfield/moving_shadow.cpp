@@ -32,7 +32,13 @@ bool shades_a_pixel(const PinholeView& view, const VisibilityBuffer& visibility,
             if (visibility.instance[at] >= kUnresolved) continue;
             const double depth = double(visibility.depth[at]);
             const DVec3 point = (left + double(i) * right) * depth;
-            if (may_shade(center - point, sphere.radius + margin * depth, sun)) return true;
+            const double beside = margin * depth;
+            if (!may_shade(center - point, sphere.radius + beside, sun)) continue;
+            if (sphere.box.is_empty()) return true;
+            const DBox3 box{sphere.box.low - beside, sphere.box.high + beside};
+            const DVec3 from = view.position + point;
+            const double beyond = 2.0 * sphere.radius + glm::length(center - point);
+            if (meets_segment(box, from, sun * beyond)) return true;
         }
     }
     return false;
