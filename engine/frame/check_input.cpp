@@ -4,6 +4,7 @@
 
 #include <bit>
 #include <cmath>
+#include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 
 namespace ff::frame {
@@ -76,6 +77,31 @@ Status check_settings(const FrameSettings& settings) {
         return bad_input(fmt::format("settings: horizon_subsample {}; expected 1, 2 or 4", n));
     if (const int n = settings.sun_refresh_frames; n < 0 || n > 255)
         return bad_input(fmt::format("settings: sun_refresh_frames {}; expected [0, 255]", n));
+    if (settings.to_sun) {
+        const Vec3& sun = *settings.to_sun;
+        if (const float length2 = glm::dot(sun, sun); !(length2 > 0.98f && length2 < 1.02f))
+            return bad_input(
+                fmt::format("settings: to_sun ({}, {}, {}); expected a unit direction", sun.x, sun.y, sun.z));
+    }
+    if (!(settings.sun_step_rad >= 0.0f && settings.sun_step_rad <= 0.1f))
+        return bad_input(fmt::format("settings: sun_step_rad {}; expected radians in [0, 0.1]", settings.sun_step_rad));
+    if (settings.weather) {
+        const scene::Weather& w = *settings.weather;
+        if (!(w.rain >= 0.0f && w.rain <= 1.0f && w.snow >= 0.0f && w.snow <= 1.0f))
+            return bad_input(
+                fmt::format("settings: weather with rain {} and snow {}; expected [0, 1]", w.rain, w.snow));
+        if (!(glm::dot(w.wind_m_s, w.wind_m_s) <= 1e6f))
+            return bad_input(
+                fmt::format("settings: a wind of ({}, {}) m/s; expected at most 1,000", w.wind_m_s.x, w.wind_m_s.y));
+    }
+    if (!(std::fabs(settings.time_s) <= 1e9))
+        return bad_input(
+            fmt::format("settings: time_s {}; expected seconds within a thousand million", settings.time_s));
+    if (!(settings.lamps_within_m >= 0.0f && settings.lamps_within_m <= 1e5f))
+        return bad_input(
+            fmt::format("settings: lamps_within_m {}; expected metres in [0, 100000]", settings.lamps_within_m));
+    if (!(settings.fall_density >= 0.0f && settings.fall_density <= 1.0f))
+        return bad_input(fmt::format("settings: fall_density {}; expected [0, 1]", settings.fall_density));
     return check_reprojection(settings.reproject);
 }
 

@@ -8,6 +8,7 @@
 
 #include "engine/budget/cost_model.h"
 #include "engine/budget/governor.h"
+#include "engine/effects/daylight.h"
 #include "engine/farfield/horizon.h"
 #include "engine/farfield/opacity_buffer.h"
 #include "engine/farfield/panorama.h"
@@ -36,7 +37,9 @@ struct SourceMasks {
 struct PanoramaLook {
     float blend_within_m = 0.0f;
     bool sun_shadows = false;
-    Vec3 to_sun{0.0f};
+    Vec3 to_sun{0.0f}, sun_radiance{0.0f}, sky_horizon{0.0f};
+    float fog_density_per_m = 0.0f, lamps_within_m = 0.0f;
+    scene::Weather weather;
 
     friend bool operator==(const PanoramaLook&, const PanoramaLook&) = default;
 };
@@ -45,6 +48,9 @@ struct FrameHistory {
     budget::CostModel costs;
     budget::Governor governor;
     budget::Outlook outlook;  ///< drawn from the last frame's visibility
+    effects::Daylight daylight;
+    std::vector<shading::LampLight> lamps;      ///< scratch: lit ones in view
+    std::unique_ptr<effects::Shelter> shelter;  ///< made when something falls
     farfield::HorizonMap horizon;
     farfield::OpacityRaster opacity;
     visibility::VisibleSet visible;  ///< scratch: what the near field may see

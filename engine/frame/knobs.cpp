@@ -43,6 +43,9 @@ constexpr std::array kSwitches{KnobValue{0, "off"}, KnobValue{1, "on"}};
 constexpr std::array kSunReuses{KnobValue{0, "cast"}, KnobValue{1, "reused"}};
 constexpr std::array kSunRefreshes{KnobValue{1}, KnobValue{8}, KnobValue{32}, KnobValue{128}, KnobValue{0, "never"}};
 constexpr std::array kSunShadowsValues{KnobValue{0, "as the scene says"}, KnobValue{1, "off"}};
+constexpr std::array kLampDistances{KnobValue{1600}, KnobValue{400}, KnobValue{200},
+                                    KnobValue{100},  KnobValue{50},  KnobValue{0, "none"}};
+constexpr std::array kFallDensities{KnobValue{1.0}, KnobValue{0.5}, KnobValue{0.25}, KnobValue{0, "none"}};
 constexpr std::array kChecks{KnobValue{1, "on"}, KnobValue{0, "off"}};
 
 /// A panorama that serves a moving viewer, as the knobs of the panorama need it to show.
@@ -106,6 +109,22 @@ const std::array kKnobs{
          kSunReuses, [](FrameSettings& s, double v) { s.reuse_sun = v != 0.0; }, KnobScope::hybrid, false, true},
     Knob{"sun_refresh", "frames", "Reused light is looked at anew at least once in so many.", 32.0, kSunRefreshes,
          [](FrameSettings& s, double v) { s.sun_refresh_frames = int(v); }, KnobScope::hybrid, false, true},
+    Knob{.name = "lamps_within",
+         .unit = "m",
+         .about = "Lamps farther from the viewer than this light nothing.",
+         .default_value = 400.0,
+         .values = kLampDistances,
+         .set = [](FrameSettings& s, double v) { s.lamps_within_m = float(v); },
+         .scope = KnobScope::all,
+         .needs_lamps = true},
+    Knob{.name = "fall_density",
+         .unit = "",
+         .about = "Share of the drops and flakes near the viewer that are drawn.",
+         .default_value = 1.0,
+         .values = kFallDensities,
+         .set = [](FrameSettings& s, double v) { s.fall_density = float(v); },
+         .scope = KnobScope::all,
+         .needs_weather = true},
     Knob{"horizon", "", "Whether sky above the traced skyline is left to nobody.", 1.0, kHorizonUses,
          [](FrameSettings& s, double v) { s.use_horizon = v != 0.0; }},
     Knob{"horizon_subsample", "", "Which azimuths are traced; fewer ones on height squares so much coarser.", 1.0,

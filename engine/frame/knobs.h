@@ -35,8 +35,10 @@ struct Knob {
     /// Sets it, and whatever else it needs to take effect at all.
     void (*set)(FrameSettings& settings, double value) = nullptr;
     KnobScope scope = KnobScope::hybrid;
-    bool needs_gl = false;   ///< only where there is OpenGL to draw with
-    bool needs_sun = false;  ///< only where the scene's sun casts shadows
+    bool needs_gl = false;       ///< only where there is OpenGL to draw with
+    bool needs_sun = false;      ///< only where the scene's sun casts shadows
+    bool needs_lamps = false;    ///< only where the scene has lamps
+    bool needs_weather = false;  ///< only where rain or snow falls in the scene
 
     /// The value as people read it: its name, or its number with the unit.
     [[nodiscard]] std::string text(double value) const;

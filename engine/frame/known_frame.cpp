@@ -2,6 +2,7 @@
 
 #include "engine/core/stopwatch.h"
 #include "engine/farfield/known_pixels.h"
+#include "engine/frame/shade_settings.h"
 #include "engine/frame/timed_pass.h"
 
 namespace ff::frame {
@@ -33,7 +34,7 @@ void draw_known_frame(const FramePlan& plan, const Tools& tools, FrameHistory& h
         find_sun(plan, tools.scene, visibility, history.all_tiles, nullptr, history.sun, stats);
     const TimedPass timed(stats, Pass::shade);
     stats.shaded_pixels = shading::shade_tiles(tools.scene, plan.dynamic, plan.view, visibility, history.all_tiles,
-                                               {.prelit_beyond_m = plan.prelit_beyond_m, .sun_seen = sun_seen}, image);
+                                               shade_settings(plan, tools, plan.view, sun_seen, history, stats), image);
 }
 
 }  // namespace ff::frame

@@ -8,6 +8,8 @@
 #include <vector>
 
 #include "engine/budget/governor.h"
+#include "engine/effects/falling.h"
+#include "engine/effects/registry.h"
 #include "engine/frame/settings.h"
 #include "engine/math/camera.h"
 #include "engine/scene/static_scene.h"
@@ -21,6 +23,8 @@ struct FramePlan {
     PinholeView view;  ///< what is drawn; smaller than the image where time is short
     int image_width = 0, image_height = 0;
     std::span<const scene::Instance> dynamic;  ///< instances that move, ids from the scene's instance count on
+    scene::Environment environment;            ///< light and air of this frame
+    effects::Decisions effects;
 
     // Near field
     bool rasterise = false;  ///< is there a near field this frame, or all of it in mode raster
@@ -46,6 +50,9 @@ struct FramePlan {
     farfield::EdgeRule panorama_edges = farfield::EdgeRule::verify;
     bool keep_ids = false;
     float prelit_beyond_m = 0.0f;
+    float lamps_within_m = 0.0f;
+    double sun_elevation_deg = 0.0;
+    effects::Fall fall;  ///< what falls; nothing where its weather is none
     bool sun_shadows = false;
     bool reuse_sun = false;  ///< of pixels that see the same points as in the last frame
     int sun_refresh_frames = 32;
@@ -53,9 +60,11 @@ struct FramePlan {
 };
 
 /// Decides a frame. Reads the history, changes only its governor; touches no GL and draws nothing.
+/// @param facts    of the scene
 /// @param dynamic  instances that move, borrowed until the frame is drawn
-void plan_frame(const scene::StaticScene& scene, std::span<const scene::Instance> dynamic, const Camera& camera,
-                int width, int height, const FrameSettings& settings, FrameHistory& history, FramePlan& plan);
+void plan_frame(const scene::StaticScene& scene, const effects::SceneFacts& facts,
+                std::span<const scene::Instance> dynamic, const Camera& camera, int width, int height,
+                const FrameSettings& settings, FrameHistory& history, FramePlan& plan);
 
 /// The plan as text, a line a decision.
 [[nodiscard]] std::string to_text(const FramePlan& plan);

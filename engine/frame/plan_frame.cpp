@@ -77,17 +77,36 @@ void look_ahead(const scene::StaticScene& scene, const FramePlan& plan, const Fr
     }
 }
 
-bool has_blended_materials(const scene::StaticScene& scene) {
-    return std::any_of(scene.materials.begin(), scene.materials.end(),
-                       [](const scene::Material& material) { return (material.flags & scene::kMaterialBlend) != 0; });
-}
-
-/// Only what casts pixels knows shadows, and only where there is a sun.
-bool wants_sun_shadows(const scene::StaticScene& scene, const FrameSettings& settings) {
-    if (settings.mode == Mode::raster || settings.mode == Mode::near) return false;
-    if (scene.environment.sun_radiance == Vec3(0.0f)) return false;
-    return settings.sun_shadows == SunShadows::by_scene ? scene.environment.sun_shadows
-                                                        : settings.sun_shadows == SunShadows::on;
+void decide_effects(const scene::StaticScene& scene, const effects::SceneFacts& facts, const FrameSettings& settings,
+                    FramePlan& plan) {
+    using effects::EffectId;
+    const auto sun_shadows = settings.sun_shadows == SunShadows::by_scene
+                                 ? std::nullopt
+                                 : std::optional(settings.sun_shadows == SunShadows::on);
+    plan.effects = effects::decide_effects({.scene = scene,
+                                            .environment = plan.environment,
+                                            .facts = facts,
+                                            .dynamic = plan.dynamic,
+                                            .eye = plan.view.position,
+                                            .by_opengl = plan.mode == Mode::raster || plan.mode == Mode::near,
+                                            .sun_shadows = sun_shadows,
+                                            .blend_within_m = settings.blend_within_m,
+                                            .lamps_within_m = settings.lamps_within_m,
+                                            .without = settings.without_effects});
+    scene::Weather& weather = plan.environment.weather;
+    if (!plan.effects.is_active(EffectId::rain)) weather.rain = 0.0f;
+    if (!plan.effects.is_active(EffectId::snow)) weather.snow = 0.0f;
+    plan.fall = {.weather = weather,
+                 .time_s = settings.time_s,
+                 .density = settings.fall_density,
+                 .light = plan.environment.sky_horizon};
+    plan.lamps_within_m = plan.effects.is_active(EffectId::lamps) ? settings.lamps_within_m : 0.0f;
+    plan.sun_elevation_deg = degrees_of(std::asin(std::clamp(double(plan.environment.to_sun.y), -1.0, 1.0)));
+    if (!plan.effects.is_active(EffectId::fog)) plan.environment.fog_density_per_m = 0.0f;
+    // Casters look past blended surfaces that are drawn as layers, also where none is near.
+    const bool has_layers = plan.effects[EffectId::transparency].state != effects::State::off;
+    plan.view.blend_within_m = has_layers ? settings.blend_within_m : 0.0f;
+    plan.sun_shadows = plan.effects.is_active(EffectId::sun_shadows);
 }
 
 /// Draws the frame at a share of the image's sides. Whole pixels, at least one.
@@ -139,15 +158,22 @@ void use_panorama(const FrameSettings& settings, const budget::Choice& choice, c
 
 }  // namespace
 
-void plan_frame(const scene::StaticScene& scene, std::span<const scene::Instance> dynamic, const Camera& camera,
-                int width, int height, const FrameSettings& settings, FrameHistory& history, FramePlan& plan) {
+void plan_frame(const scene::StaticScene& scene, const effects::SceneFacts& facts,
+                std::span<const scene::Instance> dynamic, const Camera& camera, int width, int height,
+                const FrameSettings& settings, FrameHistory& history, FramePlan& plan) {
     plan = {};
     plan.mode = settings.mode;
-    plan.view.blend_within_m = has_blended_materials(scene) ? settings.blend_within_m : 0.0f;
     plan.image_width = width;
     plan.image_height = height;
     reduce(camera, settings.resolution, plan);
     plan.dynamic = dynamic;
+    plan.environment = scene.environment;
+    if (settings.to_sun) plan.environment.to_sun = effects::rounded_sun(*settings.to_sun, settings.sun_step_rad);
+    if ((settings.without_effects & effects::set_of(effects::EffectId::atmosphere)) != 0)
+        plan.environment.atmosphere = {};
+    if (settings.weather) plan.environment.weather = *settings.weather;
+    history.daylight.light(plan.environment);
+    decide_effects(scene, facts, settings, plan);
     plan.caster = settings.caster;
     plan.grid_cells_per_item = settings.grid_cells_per_item;
     plan.max_parallax_px = settings.max_parallax_px;
@@ -156,7 +182,6 @@ void plan_frame(const scene::StaticScene& scene, std::span<const scene::Instance
     plan.keep_ids = settings.keep_ids;
     plan.horizon_subsample = settings.horizon_subsample;
     plan.prelit_beyond_m = settings.prelit_beyond_m;
-    plan.sun_shadows = wants_sun_shadows(scene, settings);
     plan.sun_refresh_frames = settings.sun_refresh_frames;
     plan.reuse_sun =
         plan.sun_shadows && settings.reuse_sun && (settings.mode == Mode::hybrid || settings.mode == Mode::beam_reuse);

@@ -66,10 +66,14 @@ DBox3 with_shadow(const scene::StaticScene& scene, const DBox3& box) {
 
 Renderer::Renderer(const scene::StaticScene& scene, Casters& casters, nearfield::NearRenderer* near_renderer, int width,
                    int height)
-    : culler_(scene),
+    : source_(scene),
+      drawn_(scene),
+      culler_(scene),
       dynamic_overlay_(scene),
       layer_index_(farfield::make_layer_index(scene)),
-      tools_{scene, casters, culler_, dynamic_overlay_, layer_index_, near_renderer},
+      lamps_(scene.lamps),
+      facts_{.layer_index = &layer_index_, .lamps = &lamps_},
+      tools_{drawn_, casters, culler_, dynamic_overlay_, layer_index_, facts_, near_renderer},
       width_(width),
       height_(height) {
     FF_CHECK(width > 0 && height > 0 && width <= kMaxSidePx && height <= kMaxSidePx, "image of {} x {}", width, height);
@@ -89,6 +93,7 @@ void Renderer::region_changed(const DBox3& box) {
     if (history_.panorama && history_.panorama->invalidate(touched) > 0) history_.panorama_is_full = false;
     if (history_.reprojection) history_.reprojection->invalidate(box);
     if (history_.sun) history_.sun->history.clear();
+    if (history_.shelter) history_.shelter->clear();
     history_.horizon.invalidate();
 }
 
@@ -103,10 +108,12 @@ const FrameStats& Renderer::refuse(Error reason, shading::Image& image) {
 const FrameStats& Renderer::draw(const Camera& camera, std::span<const scene::Instance> dynamic,
                                  const FrameSettings& settings, shading::Image& image) {
     const Stopwatch watch;
-    if (const Status input = check_frame_input(tools_.scene, camera, dynamic, settings); !input)
+    if (const Status input = check_frame_input(source_, camera, dynamic, settings); !input)
         return refuse(input.error(), image);
     refusal_ = {};
-    plan_frame(tools_.scene, dynamic, camera, width_, height_, settings, history_, plan_);
+    plan_frame(source_, facts_, dynamic, camera, width_, height_, settings, history_, plan_);
+    drawn_ = source_;
+    drawn_.environment = plan_.environment;
     const double plan_ms = watch.milliseconds();
     history_.last_stats = run_passes(plan_, tools_, history_, image);
     FrameStats& stats = history_.last_stats;

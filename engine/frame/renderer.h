@@ -40,9 +40,13 @@ class Renderer {
   private:
     const FrameStats& refuse(Error reason, shading::Image& image);
 
+    const scene::StaticScene& source_;
+    scene::StaticScene drawn_;  ///< the same in this frame's light and air
     visibility::Culler culler_;
     DynamicOverlay dynamic_overlay_;
     farfield::LayerIndex layer_index_;
+    effects::LampGrid lamps_;
+    effects::SceneFacts facts_;
     Tools tools_;
     int width_, height_;
     FrameHistory history_;

@@ -2,6 +2,7 @@
 
 #include "engine/farfield/reproject_cast.h"
 #include "engine/farfield/tile_regroup.h"
+#include "engine/frame/shade_settings.h"
 #include "engine/frame/timed_pass.h"
 
 namespace ff::frame {
@@ -64,7 +65,7 @@ void draw_reprojected_frame(const FramePlan& plan, const Tools& tools, FrameHist
     const TimedPass timed(stats, Pass::shade);
     stats.shaded_pixels =
         shading::shade_tiles(tools.scene, plan.dynamic, plan.view, history.visibility, history.all_tiles,
-                             {.prelit_beyond_m = plan.prelit_beyond_m, .sun_seen = sun_seen}, image);
+                             shade_settings(plan, tools, plan.view, sun_seen, history, stats), image);
 }
 
 }  // namespace ff::frame

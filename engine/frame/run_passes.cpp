@@ -8,6 +8,7 @@
 #include "engine/farfield/tile_regroup.h"
 #include "engine/frame/known_frame.h"
 #include "engine/frame/reprojected_frame.h"
+#include "engine/frame/shade_settings.h"
 #include "engine/frame/timed_pass.h"
 #include "engine/nearfield/near_renderer.h"
 
@@ -104,7 +105,10 @@ void report(const Status& status) {
 nearfield::DrawSet cull(const FramePlan& plan, std::span<const scene::Instance> dynamic, const Tools& tools,
                         FrameHistory& history) {
     tools.culler.cull(plan.view, dynamic, history.visible, plan.near_m);
-    return {.instances = history.visible.instances, .dynamic = dynamic, .complete_within_m = plan.near_m};
+    return {.instances = history.visible.instances,
+            .dynamic = dynamic,
+            .complete_within_m = plan.near_m,
+            .environment = &plan.environment};
 }
 
 /// Modes raster and near: the whole picture by OpenGL.
@@ -145,36 +149,38 @@ void draw_near_field(const FramePlan& plan, const Tools& tools, FrameHistory& hi
     }
 }
 
-shading::ShadeSettings shade_settings(const FramePlan& plan, const std::uint8_t* sun_seen) {
-    return {.prelit_beyond_m = plan.prelit_beyond_m, .sun_seen = sun_seen};
-}
-
-/// Whether something blended may be near enough to be a transparent layer.
-bool may_have_layers(const FramePlan& plan, const Tools& tools) {
-    const float within_m = plan.view.blend_within_m;
-    if (!(within_m > 0.0f) || tools.layer_index.is_empty()) return false;
-    const auto is_blended = [&](const scene::Instance& instance) {
-        return (tools.scene.meshes[instance.mesh].material_flags & scene::kMaterialBlend) != 0;
-    };
-    return std::any_of(plan.dynamic.begin(), plan.dynamic.end(), is_blended) ||
-           farfield::has_layers_within(tools.scene, tools.layer_index, plan.view.position, within_m);
-}
-
 void blend_layers(const FramePlan& plan, const Tools& tools, FrameHistory& history, shading::Image& image,
                   FrameStats& stats) {
     const TimedPass timed(stats, Pass::blend);
+    const TimedEffect timed_effect(stats, effects::EffectId::transparency);
     const farfield::LayerScene layers{tools.scene, tools.layer_index,
                                       plan.dynamic.empty() ? nullptr : &tools.dynamic_overlay.moving()};
     const farfield::SunRays* const sun = begin_sun_of_layers(plan, tools.scene, history.sun);
-    const shading::LayerCounts counts =
-        shading::blend_layers(layers, plan.view, history.visibility, history.all_tiles, shade_settings(plan, nullptr),
-                              sun, history.layers, image);
+    const shading::LayerCounts counts = shading::blend_layers(
+        layers, plan.view, history.visibility, history.all_tiles,
+        shade_settings(plan, tools, plan.view, nullptr, history, stats), sun, history.layers, image);
     stats.layers = counts.shaded;
     stats.sun_rays += counts.sun_rays;
 }
 
+bool falls(const FramePlan& plan) {
+    return plan.effects.is_active(effects::EffectId::rain) || plan.effects.is_active(effects::EffectId::snow);
+}
+
+void draw_fall(const FramePlan& plan, const Tools& tools, FrameHistory& history, shading::Image& image,
+               FrameStats& stats) {
+    const TimedPass timed(stats, Pass::fall);
+    const bool rains = plan.effects.is_active(effects::EffectId::rain);
+    const effects::EffectId effect = rains ? effects::EffectId::rain : effects::EffectId::snow;
+    const TimedEffect timed_effect(stats, effect);
+    if (!history.shelter) history.shelter = std::make_unique<effects::Shelter>();
+    const std::uint64_t rays = history.shelter->update(plan.view.position, tools.casters.get(CasterKind::embree));
+    stats.work(effect).rays += rays;
+    effects::draw_fall(plan.fall, plan.view, history.visibility, *history.shelter, image);
+}
+
 /// The map for frames like this one, told where the viewer stands.
-void begin_panorama(const FramePlan& plan, const scene::StaticScene& scene, FrameHistory& history) {
+void begin_panorama(const FramePlan& plan, FrameHistory& history) {
     if (!history.panorama) {
         PinholeView full = plan.view;  // the map is made once, for frames of full size
         full.u_step *= float(plan.view.width) / float(plan.image_width);
@@ -185,7 +191,15 @@ void begin_panorama(const FramePlan& plan, const scene::StaticScene& scene, Fram
         history.panorama_colors.resize(size, 6 * size);
         populate_pages(history.panorama_colors.pixels);
     }
-    const PanoramaLook look{plan.view.blend_within_m, plan.sun_shadows, scene.environment.to_sun};
+    const scene::Environment& light = plan.environment;
+    const PanoramaLook look{.blend_within_m = plan.view.blend_within_m,
+                            .sun_shadows = plan.sun_shadows,
+                            .to_sun = light.to_sun,
+                            .sun_radiance = light.sun_radiance,
+                            .sky_horizon = light.sky_horizon,
+                            .fog_density_per_m = light.fog_density_per_m,
+                            .lamps_within_m = plan.lamps_within_m,
+                            .weather = light.weather};
     if (history.panorama_look != look) history.panorama->clear();
     history.panorama_look = look;
     history.panorama->begin_frame(plan.view.position);
@@ -216,7 +230,8 @@ std::uint64_t fill_panorama(const FramePlan& plan, const Tools& tools, const far
         {
             const TimedPass timed(stats, Pass::shade);
             stats.shaded_pixels += shading::shade_tiles(tools.scene, {}, view, panorama.map(), texels,
-                                                        shade_settings(plan, sun_seen), history.panorama_colors);
+                                                        shade_settings(plan, tools, view, sun_seen, history, stats),
+                                                        history.panorama_colors);
         }
         const TimedPass timed(stats, Pass::store);
         panorama.commit_fill(face, history.panorama_colors.pixels, history.panorama_colors.stride);
@@ -231,7 +246,8 @@ void look_up_panorama(const FramePlan& plan, const Tools& tools, const farfield:
     const TimedPass timed(stats, Pass::panorama);
     // Depths are fetched only where something may stand before the texels, names where its shadow may fall on them.
     const bool wants_ids = plan.keep_ids || (plan.sun_shadows && !plan.dynamic.empty());
-    const bool wants_depths = wants_ids || !plan.dynamic.empty() || may_have_layers(plan, tools);
+    const bool wants_depths =
+        wants_ids || !plan.dynamic.empty() || plan.effects.is_active(effects::EffectId::transparency);
     const farfield::PanoramaTarget target{.visibility = wants_depths ? &history.visibility : nullptr,
                                           .colors = image.pixels.data(),
                                           .color_stride = image.stride,
@@ -300,7 +316,7 @@ void draw_surfaces(const FramePlan& plan, const Tools& tools, FrameHistory& hist
     std::vector<TileRequest>* casts = &history.wanted;
     if (plan.look_up_panorama || plan.store_panorama || plan.fill_panorama) {
         const TimedPass timed(stats, Pass::panorama);
-        begin_panorama(plan, tools.scene, history);
+        begin_panorama(plan, history);
     }
     farfield::PanoramaLimits limits{
         .max_parallax_px = plan.max_parallax_px, .edges = plan.panorama_edges, .ray_budget = plan.ray_budget};
@@ -360,8 +376,9 @@ void draw_surfaces(const FramePlan& plan, const Tools& tools, FrameHistory& hist
                  plan.look_up_panorama ? history.panorama.get() : nullptr, history.sun, stats);
     {
         const TimedPass timed(stats, Pass::shade);
-        stats.shaded_pixels += shading::shade_tiles(tools.scene, plan.dynamic, plan.view, visibility, history.to_shade,
-                                                    shade_settings(plan, sun_seen), image);
+        stats.shaded_pixels +=
+            shading::shade_tiles(tools.scene, plan.dynamic, plan.view, visibility, history.to_shade,
+                                 shade_settings(plan, tools, plan.view, sun_seen, history, stats), image);
     }
     if (plan.store_panorama) {
         const TimedPass timed(stats, Pass::store);
@@ -374,6 +391,7 @@ void draw_surfaces(const FramePlan& plan, const Tools& tools, FrameHistory& hist
 /// All passes but the last, at the size of the plan's view.
 FrameStats draw_view(const FramePlan& plan, const Tools& tools, FrameHistory& history, shading::Image& image) {
     FrameStats stats;
+    stats.effects = plan.effects;
     history.fit(plan.view.width, plan.view.height);
     SourceMasks& sources = history.sources;
     for (PixelMask* mask :
@@ -391,7 +409,8 @@ FrameStats draw_view(const FramePlan& plan, const Tools& tools, FrameHistory& hi
         else
             draw_surfaces(plan, tools, history, image, stats);
         // Transparent layers, over everything and remembered by nothing.
-        if (may_have_layers(plan, tools)) blend_layers(plan, tools, history, image, stats);
+        if (plan.effects.is_active(effects::EffectId::transparency)) blend_layers(plan, tools, history, image, stats);
+        if (falls(plan)) draw_fall(plan, tools, history, image, stats);
     }
     stats.near_m = plan.near_m;
     stats.ray_budget = plan.ray_budget;

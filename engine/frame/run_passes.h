@@ -34,6 +34,7 @@ struct Tools {
     const visibility::Culler& culler;
     DynamicOverlay& dynamic_overlay;
     const farfield::LayerIndex& layer_index;
+    const effects::SceneFacts& facts;
     nearfield::NearRenderer* near_renderer = nullptr;
 };
 

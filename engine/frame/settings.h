@@ -5,9 +5,12 @@
 #include <optional>
 
 #include "engine/budget/governor.h"
+#include "engine/effects/effect.h"
 #include "engine/farfield/panorama.h"
 #include "engine/farfield/ray_caster.h"
 #include "engine/farfield/reproject.h"
+#include "engine/math/types.h"
+#include "engine/scene/environment.h"
 
 namespace ff::frame {
 
@@ -50,6 +53,17 @@ struct FrameSettings {
     /// Whether surfaces that do not see the sun are without its light; modes raster and near know of no shadows.
     SunShadows sun_shadows = SunShadows::by_scene;
     bool reuse_sun = true;  ///< modes hybrid and beam_reuse: pixels that see the same points again keep their light
+    /// Where the sun stands instead of where the scene has it, a unit direction: a game's time of day.
+    std::optional<Vec3> to_sun;
+    /// Such a sun is rounded to multiples of this: what shows its light is made anew when it has moved so far. Radians,
+    /// [0, 0.1]; 0: for each move.
+    float sun_step_rad = 0.0044f;
+    std::optional<scene::Weather> weather;  ///< instead of the scene's
+    double time_s = 0.0;                    ///< of the game, for what moves by itself: drops, flakes, waves
+    /// Lamps farther from the eye than this light nothing. Metres, [0, 100,000]; 0: none does.
+    float lamps_within_m = 400.0f;
+    float fall_density = 1.0f;               ///< share of drops and flakes that are drawn. [0, 1]
+    effects::EffectSet without_effects = 0;  ///< these are off, whatever calls for them
     int sun_refresh_frames = 32;  ///< reused light is looked at anew at least once in so many. [0, 255]; 0: never
     float resolution = 1.0f;      ///< share of the image's sides that is drawn; enlarged to be shown. [0.25, 1]
     farfield::ReprojectSettings reproject;           ///< mode reproject

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <string_view>
 
+#include "engine/effects/effect.h"
 #include "engine/farfield/reproject.h"
 
 namespace ff::frame {
@@ -23,13 +24,14 @@ enum class Pass : std::uint8_t {
     shade,
     store,
     blend,
+    fall,
     upscale,
     present
 };
-inline constexpr std::size_t kPassCount = 14;
+inline constexpr std::size_t kPassCount = 15;
 inline constexpr std::array<std::string_view, kPassCount> kPassNames{
-    "plan", "near", "opacity", "horizon", "panorama", "reproject", "verify",
-    "cast", "sun",  "shade",   "store",   "blend",    "upscale",   "present"};
+    "plan", "near",  "opacity", "horizon", "panorama", "reproject", "verify", "cast",
+    "sun",  "shade", "store",   "blend",   "fall",     "upscale",   "present"};
 
 /// Pixels by how they came to be (P0 Figure 11); they add up to the image as it was drawn.
 struct PixelCounts {
@@ -49,6 +51,8 @@ struct FrameStats {
     double untimed_ms = 0.0;  ///< not part of frame_ms: what mode irsa spends to know its primitives
     std::array<double, kPassCount> pass_ms{};
     PixelCounts pixels;
+    effects::Decisions effects;  ///< the plan's
+    std::array<effects::Work, effects::kEffectCount> effect_work{};
     farfield::ReprojectCounts causes;  ///< mode reproject: all zero where nothing was reprojected
     std::uint64_t rays = 0;
     std::uint64_t nodes_visited = 0;
@@ -73,10 +77,12 @@ struct FrameStats {
                ms(Pass::verify) + ms(Pass::cast);
     }
     [[nodiscard]] double shading_ms() const {
-        return ms(Pass::sun) + ms(Pass::shade) + ms(Pass::store) + ms(Pass::blend) + ms(Pass::upscale) +
-               ms(Pass::present);
+        return ms(Pass::sun) + ms(Pass::shade) + ms(Pass::store) + ms(Pass::blend) + ms(Pass::fall) +
+               ms(Pass::upscale) + ms(Pass::present);
     }
 
+    [[nodiscard]] effects::Work& work(effects::EffectId id) { return effect_work[std::size_t(id)]; }
+    [[nodiscard]] const effects::Work& work(effects::EffectId id) const { return effect_work[std::size_t(id)]; }
     [[nodiscard]] double& ms(Pass pass) { return pass_ms[std::size_t(pass)]; }
     [[nodiscard]] double ms(Pass pass) const { return pass_ms[std::size_t(pass)]; }
 };

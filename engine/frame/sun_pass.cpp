@@ -21,6 +21,11 @@ std::uint64_t count_pixels(std::span<const farfield::TileRequest> tiles) {
     return count;
 }
 
+void count_rays(std::uint64_t rays, FrameStats& stats) {
+    stats.sun_rays += rays;
+    stats.work(effects::EffectId::sun_shadows).rays += rays;
+}
+
 SunLight& made(const scene::StaticScene& scene, std::unique_ptr<SunLight>& sun) {
     if (!sun) sun = std::make_unique<SunLight>(scene);
     return *sun;
@@ -65,6 +70,7 @@ const std::uint8_t* find_sun(const FramePlan& plan, const scene::StaticScene& sc
                              farfield::Panorama* panorama, std::unique_ptr<SunLight>& sun, FrameStats& stats) {
     if (!plan.sun_shadows) return nullptr;
     const TimedPass timed(stats, Pass::sun);
+    const TimedEffect timed_effect(stats, effects::EffectId::sun_shadows);
     SunLight& light = made(scene, sun);
     std::uint8_t* const seen = fit(visibility, light.seen);
     const Vec3 to_sun = scene.environment.to_sun;
@@ -93,7 +99,7 @@ const std::uint8_t* find_sun(const FramePlan& plan, const scene::StaticScene& sc
         if (knew && double(count_pixels(cast)) > kMostLeft * double(reused + count_pixels(cast)))
             light.pause_frames = kPauseFrames;
     }
-    stats.sun_rays += light.rays.cast(plan.view, visibility, cast, plan.dynamic, to_sun, seen).rays;
+    count_rays(light.rays.cast(plan.view, visibility, cast, plan.dynamic, to_sun, seen).rays, stats);
     if (reuse) light.history.commit(input, cast, seen);
     return seen;
 }
@@ -104,9 +110,10 @@ const std::uint8_t* find_sun_of_panorama(const FramePlan& plan, const scene::Sta
                                          FrameStats& stats) {
     if (!plan.sun_shadows) return nullptr;
     const TimedPass timed(stats, Pass::sun);
+    const TimedEffect timed_effect(stats, effects::EffectId::sun_shadows);
     SunLight& light = made(scene, sun);
     std::uint8_t* const seen = panorama.light();
-    stats.sun_rays += light.rays.cast(view, panorama.map(), texels, {}, scene.environment.to_sun, seen).rays;
+    count_rays(light.rays.cast(view, panorama.map(), texels, {}, scene.environment.to_sun, seen).rays, stats);
     return seen;
 }
 
@@ -114,7 +121,7 @@ const farfield::SunRays* begin_sun_of_layers(const FramePlan& plan, const scene:
                                              std::unique_ptr<SunLight>& sun) {
     if (!plan.sun_shadows) return nullptr;
     SunLight& light = made(scene, sun);
-    light.rays.begin_tiles(plan.dynamic, scene.environment.to_sun);
+    light.rays.begin_tiles(plan.dynamic, plan.environment.to_sun);
     return &light.rays;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "engine/core/heap_count.h"
 #include "engine/core/stopwatch.h"
 #include "engine/frame/stats.h"
 
@@ -16,6 +17,24 @@ class TimedPass {
   private:
     FrameStats& stats_;
     Pass pass_;
+    Stopwatch watch_;
+};
+
+/// Times an effect, beside the pass that it is part of, and counts what it takes from the heap.
+class TimedEffect {
+  public:
+    TimedEffect(FrameStats& stats, effects::EffectId effect)
+        : work_(stats.work(effect)), allocations_(heap_allocation_count()) {}
+    ~TimedEffect() {
+        work_.ms += watch_.milliseconds();
+        work_.allocations += heap_allocation_count() - allocations_;
+    }
+    TimedEffect(const TimedEffect&) = delete;
+    TimedEffect& operator=(const TimedEffect&) = delete;
+
+  private:
+    effects::Work& work_;
+    std::uint64_t allocations_;
     Stopwatch watch_;
 };
 

@@ -46,6 +46,7 @@ struct GameView {
     std::vector<scene::Instance> dynamic;
     std::vector<animation::ModelState> models;  ///< that move of themselves, in poses of now
     std::optional<SunPosition> sun;             ///< nothing: as the world has it
+    double time_s = 0.0;                        ///< since the session began: what weather and water move by
     std::vector<HudItem> hud;
     double turn_scale = 1.0;  ///< of looking around: below 1 through a spyglass
 };

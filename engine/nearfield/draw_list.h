@@ -20,6 +20,7 @@ struct DrawSet {
     /// Nothing that is nearer to the viewer than this is missing from the set. What it holds of things farther away may
     /// have others before it that it does not hold.
     double complete_within_m = std::numeric_limits<double>::infinity();
+    const scene::Environment* environment = nullptr;  ///< light and air; nullptr: the scene's
 };
 
 /// One instance as the vertex shader reads it: instanced attributes, 64 bytes.

@@ -32,15 +32,19 @@ constexpr FeatureName kFeatureNames[] = {
     {kFeatureEmissiveTexture, "#define EMISSIVE_TEXTURE\n"},
     {kFeatureVertexColor, "#define VERTEX_COLOR\n"},
     {kFeatureFog, "#define FOG\n"},
+    {kFeatureAir, "#define AIR\n"},
 };
 
 }  // namespace
 
-std::uint32_t features_of(const scene::Material& material, bool has_vertex_colors, bool has_fog) {
-    std::uint32_t features = (has_vertex_colors ? kFeatureVertexColor : 0u) | (has_fog ? kFeatureFog : 0u);
+std::uint32_t features_of(const scene::Material& material, const scene::Environment& environment,
+                          bool has_vertex_colors) {
+    std::uint32_t features = has_vertex_colors ? kFeatureVertexColor : 0u;
     const auto add = [&](bool wanted, MaterialFeatures feature) {
         if (wanted) features |= feature;
     };
+    add(environment.fog_density_per_m > 0.0f, kFeatureFog);
+    add(environment.atmosphere.turbidity > 0.0f, kFeatureAir);
     const bool unlit = (material.flags & scene::kMaterialUnlit) != 0;
     const bool specular = !unlit && (material.flags & scene::kMaterialSpecular) != 0;
     add(material.base_color_texture != scene::kNoTexture, kFeatureBaseTexture);
@@ -55,10 +59,9 @@ std::uint32_t features_of(const scene::Material& material, bool has_vertex_color
 
 Result<MaterialPrograms> make_shaded_programs(const scene::StaticScene& scene, bool has_vertex_colors) {
     MaterialPrograms out;
-    const bool has_fog = scene.environment.fog_density_per_m > 0.0f;
     std::vector<std::uint32_t> features_of_program;
     for (const scene::Material& material : scene.materials) {
-        const std::uint32_t features = features_of(material, has_vertex_colors, has_fog);
+        const std::uint32_t features = features_of(material, scene.environment, has_vertex_colors);
         const auto known = std::find(features_of_program.begin(), features_of_program.end(), features);
         out.program_of.push_back(std::uint32_t(known - features_of_program.begin()));
         if (known != features_of_program.end()) continue;
@@ -67,6 +70,7 @@ Result<MaterialPrograms> make_shaded_programs(const scene::StaticScene& scene, b
             if (features & name.bit) defines += name.define;
         FF_ASSIGN(gl::Program program, gl::Program::make("near_shaded.vert.glsl", "near_shaded.frag.glsl", defines));
         out.programs.push_back(std::move(program));
+        out.defines.push_back(std::move(defines));
         features_of_program.push_back(features);
     }
 

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "engine/core/result.h"
@@ -24,15 +25,18 @@ enum MaterialFeatures : std::uint32_t {
     kFeatureEmissiveTexture = 1u << 6,
     kFeatureVertexColor = 1u << 7,
     kFeatureFog = 1u << 8,
+    kFeatureAir = 1u << 9,
 };
 
 /// Size of a material's block in shaders/material.glsl.
 inline constexpr std::size_t kMaterialUniformBytes = 48;
 
-[[nodiscard]] std::uint32_t features_of(const scene::Material& material, bool has_vertex_colors, bool has_fog);
+[[nodiscard]] std::uint32_t features_of(const scene::Material& material, const scene::Environment& environment,
+                                        bool has_vertex_colors);
 
 struct MaterialPrograms {
     std::vector<gl::Program> programs;
+    std::vector<std::string> defines;       ///< by program, a line each
     std::vector<std::uint32_t> program_of;  ///< by material
     std::vector<std::uint32_t> draw_order;  ///< materials: opaque before masked before blended, then by program
     gl::Buffer uniforms;                    ///< a std140 block per material, stride_bytes apart

@@ -362,7 +362,8 @@ Status NearRenderer::render_shaded(const PinholeView& view, const DrawSet& set, 
     make_shaded_draw_list(r.scene, r.gpu.layout, set, view.position, r.materials.draw_order, r.list);
     r.begin(r.color_target, view);
     r.begin_list();
-    const shading::ShadingUniforms uniforms = shading::make_uniforms(r.scene.environment, view.pixel_angle());
+    const scene::Environment& environment = set.environment != nullptr ? *set.environment : r.scene.environment;
+    const shading::ShadingUniforms uniforms = shading::make_uniforms(environment, view);
     r.write_uniforms(r.shading_uniforms, kShadingBinding, &uniforms, sizeof uniforms);
     glBindTextureUnit(kSkyUnit, r.sky.id() != 0 ? r.sky.id() : r.white.id());
 
@@ -413,6 +414,14 @@ Status NearRenderer::present(const shading::Image& image, int width, int height)
     glBlitNamedFramebuffer(r.present_framebuffer.id(), 0, 0, 0, image.width, image.height, 0, height, width, 0,
                            GL_COLOR_BUFFER_BIT, same_size ? GL_NEAREST : GL_LINEAR);
     return {};
+}
+
+std::uint64_t NearRenderer::programs_with(std::string_view define) const {
+    const std::string line = fmt::format("#define {}\n", define);
+    const std::vector<std::string>& programs = impl_->materials.defines;
+    return std::uint64_t(std::count_if(programs.begin(), programs.end(), [&](const std::string& defines) {
+        return defines.find(line) != std::string::npos;
+    }));
 }
 
 std::uint64_t NearRenderer::memory_bytes() const {

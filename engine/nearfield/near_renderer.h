@@ -52,6 +52,8 @@ class NearRenderer {
     Status present(const shading::Image& image, int width, int height);
 
     [[nodiscard]] std::uint64_t memory_bytes() const;
+    /// Programs of materials that were compiled with `#define DEFINE`.
+    [[nodiscard]] std::uint64_t programs_with(std::string_view define) const;
 
   private:
     struct Impl;

@@ -172,7 +172,6 @@ CharacterController::Slide CharacterController::slide(const Character& c, DVec3 
 
         DVec3 normal = hit->normal;
         if (normal.y < steepest) {
-            out.hit_wall = true;
             // Too steep to be walked: it must not lift who goes against it. Met again, it is taken as it is.
             const DVec3 upright = level(normal);
             const DVec3 turned = along - normal * glm::dot(along, normal);

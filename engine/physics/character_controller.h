@@ -70,7 +70,6 @@ class CharacterController {
     struct Slide {
         DVec3 feet{0.0};
         bool hit = false;
-        bool hit_wall = false;  ///< something that cannot be walked
     };
     void crouch_or_rise(Character& c);
     void ride(Character& c, double tick_s);

@@ -102,6 +102,7 @@ struct IslandSolver::Impl {
             point.m_positionWorldOnB = on_b;
             point.m_combinedFriction = pair.friction;
             point.m_combinedRestitution = pair.restitution;
+            point.m_combinedRollingFriction = point.m_combinedSpinningFriction = pair.rolling_m;
             const int same = home->getCacheEntry(point);
             if (same < 0)
                 home->addManifoldPoint(point);

@@ -71,7 +71,8 @@ struct PhysicsWorld::Impl {
 
     std::uint32_t place_of(std::uint32_t slot);
     void activate(std::uint32_t slot);
-    void add_pair(std::uint32_t a, std::uint32_t b, float friction, float restitution);
+    /// Takes what was found; `friction`, `restitution` and `rolling_m` as in SolverPair.
+    void add_pair(const SolverPair& pair);
 };
 
 [[nodiscard]] inline Vec3 inertia_of(const Body& body) {

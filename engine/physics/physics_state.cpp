@@ -106,7 +106,7 @@ void body_record(Archive& archive, Value& b) {
     archive(d.shape.radius_m), archive(d.shape.half_height_m), archive(d.shape.mesh);
     matrix(archive, d.shape.body_from_mesh);
     archive(d.motion), archive(d.mass_kg), archive(d.friction), archive(d.restitution);
-    archive(d.linear_damping), archive(d.angular_damping), archive(d.user);
+    archive(d.rolling_resistance), archive(d.linear_damping), archive(d.angular_damping), archive(d.user);
     frame(archive, b.frame);
     frame(archive, b.before);
     frame(archive, b.target);

@@ -34,6 +34,10 @@ Vec3 spin_between(const glm::quat& from, const glm::quat& to, float seconds) {
     return tangent * (2.0f / (seconds * (1.0f + 0.28f * glm::dot(tangent, tangent))));
 }
 
+float rolling_lever(const Body& body) {
+    return body.desc.rolling_resistance * float(body.geometry->radius_m);
+}
+
 Vec3 limited(const Vec3& v, float most) {
     const float length = glm::length(v);
     return length > most ? v * (most / length) : v;
@@ -155,11 +159,13 @@ void PhysicsWorld::Impl::activate(std::uint32_t slot) {
     mine.spin = limited(body.spin * std::max(0.0f, 1.0f - body.desc.angular_damping * dt), 1e3f);
 }
 
-void PhysicsWorld::Impl::add_pair(std::uint32_t a, std::uint32_t b, float friction, float restitution) {
+void PhysicsWorld::Impl::add_pair(const SolverPair& pair) {
     // What bounces has to get there first: a contact that only keeps a gap from closing takes the speed away before.
-    if (restitution > 0.0f) std::erase_if(found, [](const Contact& c) { return c.distance > 0.001f; });
+    if (pair.restitution > 0.0f) std::erase_if(found, [](const Contact& c) { return c.distance > 0.001f; });
     if (found.empty()) return;
-    pairs.push_back({a, b, std::uint32_t(contacts.size()), std::uint32_t(found.size()), friction, restitution});
+    pairs.push_back(pair);
+    pairs.back().first_contact = std::uint32_t(contacts.size());
+    pairs.back().contact_count = std::uint32_t(found.size());
     contacts.insert(contacts.end(), found.begin(), found.end());
 }
 
@@ -172,7 +178,10 @@ void PhysicsWorld::Impl::find_contacts(StepStats& stats) {
         const Body& body = bodies[slot];
         const std::uint32_t place = place_of(slot);
         finder.with_scene(*body.geometry, body.frame, body.bounds, found);
-        add_pair(place, SolverPair::kScene, body.desc.friction, body.desc.restitution);
+        add_pair({.a = place,
+                  .friction = body.desc.friction,
+                  .restitution = body.desc.restitution,
+                  .rolling_m = rolling_lever(body)});
         touch_bodies(slot, place);
         touch_characters(slot, place);
     }
@@ -193,8 +202,11 @@ void PhysicsWorld::Impl::touch_bodies(std::uint32_t slot, std::uint32_t place) {
             wake(other_slot);
             activate(other_slot);
         }
-        add_pair(place, place_of(other_slot), body.desc.friction * other.desc.friction,
-                 body.desc.restitution * other.desc.restitution);
+        add_pair({.a = place,
+                  .b = place_of(other_slot),
+                  .friction = body.desc.friction * other.desc.friction,
+                  .restitution = body.desc.restitution * other.desc.restitution,
+                  .rolling_m = std::max(rolling_lever(body), rolling_lever(other))});
     }
 }
 
@@ -216,7 +228,7 @@ void PhysicsWorld::Impl::touch_characters(std::uint32_t slot, std::uint32_t plac
             out.velocity = limited(Vec3(c.ridden / settings.tick_s), 1e3f);
             solver_bodies.push_back(out);
         }
-        add_pair(place, std::uint32_t(c.place), 0.0f, 0.0f);
+        add_pair({.a = place, .b = std::uint32_t(c.place)});
     }
 }
 

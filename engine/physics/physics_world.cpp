@@ -24,6 +24,7 @@ Status check_body(BodyDesc& desc) {
     FF_TRY(check_range("mass_kg", desc.mass_kg, 1e-3, 1e6));
     FF_TRY(check_range("friction", desc.friction, 0.0, 10.0));
     FF_TRY(check_range("restitution", desc.restitution, 0.0, 1.0));
+    FF_TRY(check_range("rolling_resistance", desc.rolling_resistance, 0.0, 1.0));
     FF_TRY(check_range("linear_damping", desc.linear_damping, 0.0, 1.0));
     FF_TRY(check_range("angular_damping", desc.angular_damping, 0.0, 1.0));
     if (desc.motion != Motion::dynamic && desc.motion != Motion::kinematic)

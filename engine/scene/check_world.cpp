@@ -24,7 +24,7 @@ constexpr std::size_t kMaxNameBytes = 1024;
 constexpr std::uint32_t kMaxTextureSide = 8192;
 constexpr std::uint32_t kMaxPanoramaSide = 16384;
 constexpr std::uint32_t kMaxGridSize = 4096;
-constexpr std::uint32_t kKnownMaterialFlags = 0x1F;
+constexpr std::uint32_t kKnownMaterialFlags = 0x3F;
 
 bool is_finite(float x) {
     return (std::bit_cast<std::uint32_t>(x) & 0x7F800000u) != 0x7F800000u;
@@ -59,7 +59,7 @@ class Checker {
         // Later checks rely on earlier ones.
         if (check_sizes() && check_textures() && check_materials() && check_meshes() && check_cells() &&
             check_instances() && check_vertices() && check_triangles() && check_mesh_trees() && check_instance_tree() &&
-            check_height_grid() && check_environment() && check_info())
+            check_height_grid() && check_environment() && check_lamps() && check_info())
             return std::nullopt;
         return problem_;
     }
@@ -96,6 +96,7 @@ class Checker {
     bool check_instance_tree();
     bool check_height_grid();
     bool check_environment();
+    bool check_lamps();
     bool check_info();
 
     // The tree under nodes[0]; leaf(id) says what is wrong with a leaf's id, "" for nothing.
@@ -408,6 +409,17 @@ bool Checker::check_height_grid() {
         [&](std::size_t i) { return fmt::format("{}; expected a finite height, or -inf", grid.heights[i]); });
 }
 
+bool Checker::check_lamps() {
+    for (std::size_t i = 0; i < s_.lamps.size(); ++i) {
+        const Lamp& lamp = s_.lamps[i];
+        if (!is_within(lamp.position, kMaxWorldCoordinate) || !is_within(lamp.color, 0.0, 1.0) ||
+            !is_within(lamp.lumens, 0.0, 1e9) || !is_within(lamp.radius_m, 1e-3, 1000.0) ||
+            !is_within(lamp.on_below_sun_deg, -90.0, 90.0))
+            return report("lamps", i, "a place, colour, strength, radius or angle out of range");
+    }
+    return true;
+}
+
 bool Checker::check_environment() {
     const Environment& e = s_.environment;
     const double length2 =
@@ -421,6 +433,15 @@ bool Checker::check_environment() {
                 fmt::format("a colour ({}, {}, {}); expected finite numbers from 0", color.x, color.y, color.z));
     if (!is_within(e.fog_density_per_m, 0.0, 1e9))
         return report("environment", 0, fmt::format("fog {}; expected a finite number from 0", e.fog_density_per_m));
+    if (const float t = e.atmosphere.turbidity; t != 0.0f && !is_within(t, 1.0, 10.0))
+        return report("environment", 0, fmt::format("turbidity {}; expected 0, or [1, 10]", t));
+    if (!is_within(e.atmosphere.brightness, 0.0, 1e9))
+        return report("environment", 0,
+                      fmt::format("brightness {}; expected a finite number from 0", e.atmosphere.brightness));
+    const Weather& w = e.weather;
+    if (!is_within(w.rain, 0.0, 1.0) || !is_within(w.snow, 0.0, 1.0) || !is_within(w.wind_m_s.x, -1e3, 1e3) ||
+        !is_within(w.wind_m_s.y, -1e3, 1e3))
+        return report("environment", 0, "weather; expected rain and snow in [0, 1] and a wind below 1 km/s");
     if (e.panorama_width > kMaxPanoramaSide || e.panorama_height > kMaxPanoramaSide ||
         (e.panorama_width == 0) != (e.panorama_height == 0) ||
         e.panorama.size() != std::uint64_t(4) * e.panorama_width * e.panorama_height)

@@ -52,6 +52,9 @@ inline disk::Texture to_disk(const Texture& t) {
 inline disk::HeightGrid to_disk(const HeightGrid& g) {
     return {g.low_x, g.low_z, g.square_m, g.base_y, g.size};
 }
+inline disk::Lamp to_disk(const Lamp& l) {
+    return {to_disk(l.position), to_disk(l.color), l.lumens, l.radius_m, l.on_below_sun_deg};
+}
 inline disk::Environment to_disk(const Environment& e) {
     return {to_disk(e.to_sun),        to_disk(e.sun_radiance), to_disk(e.sky_zenith), to_disk(e.sky_horizon),
             to_disk(e.ground_bounce), e.fog_density_per_m,     e.panorama_width,      e.panorama_height};
@@ -125,6 +128,13 @@ inline Texture from_disk(const disk::Texture& t) {
 }
 inline HeightGrid from_disk(const disk::HeightGrid& g) {
     return {.size = g.size(), .low_x = g.low_x(), .low_z = g.low_z(), .square_m = g.square_m(), .base_y = g.base_y()};
+}
+inline Lamp from_disk(const disk::Lamp& l) {
+    return {.position = from_disk(l.position()),
+            .color = from_disk(l.color()),
+            .lumens = l.lumens(),
+            .radius_m = l.radius_m(),
+            .on_below_sun_deg = l.on_below_sun_deg()};
 }
 inline Environment from_disk(const disk::Environment& e) {
     return {.to_sun = from_disk(e.to_sun()),

@@ -280,6 +280,15 @@ class WorldLoader {
         scene.height_grid.heights = arrays_.heights;
         scene.environment.panorama = arrays_.sky_panorama;
         scene.environment.sun_shadows = table.sun_shadows();
+        scene.environment.atmosphere = {table.atmosphere_turbidity(), table.atmosphere_brightness()};
+
+        scene.environment.weather = {table.rain(), table.snow(), {table.wind_x_m_s(), table.wind_z_m_s()}};
+        if (table.lamps() != nullptr) {
+            if (!assets::is_aligned(*table.lamps()))
+                return pack_.error_in(chunk, "lamps at an odd place; expected a multiple of 8");
+            for (const disk::Lamp* lamp : *table.lamps()) world_->lamps_.push_back(from_disk(*lamp));
+            scene.lamps = world_->lamps_;
+        }
 
         WorldInfo& info = world_->info_;
         info.name = table.name()->str();

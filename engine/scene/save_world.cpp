@@ -60,15 +60,19 @@ flatbuffers::DetachedBuffer world_table(const SceneData& scene, const WorldInfo&
     const auto name = builder.CreateString(info.name);
     const auto dynamic_instances =
         builder.CreateVectorOfStructs(records_of<DynamicInstance, disk::DynamicInstance>(info.dynamic_instances));
+    const auto lamps = builder.CreateVectorOfStructs(records_of<Lamp, disk::Lamp>(scene.lamps));
     const auto walk_list = builder.CreateVector(walks);
     const disk::DVec3 origin = to_disk(scene.origin);
     const disk::DBox3 bounds = to_disk(scene.bounds);
     const disk::HeightGrid grid = to_disk(scene.height_grid);
     const disk::Environment environment = to_disk(scene.environment);
     const disk::DVec3 spawn = to_disk(info.spawn_position);
-    disk::FinishWorldBuffer(builder, disk::CreateWorld(builder, name, &origin, &bounds, &grid, &environment, &spawn,
-                                                       info.spawn_yaw, info.source_bytes, dynamic_instances, walk_list,
-                                                       scene.environment.sun_shadows, place_list));
+    disk::FinishWorldBuffer(
+        builder, disk::CreateWorld(builder, name, &origin, &bounds, &grid, &environment, &spawn, info.spawn_yaw,
+                                   info.source_bytes, dynamic_instances, walk_list, scene.environment.sun_shadows,
+                                   scene.environment.atmosphere.turbidity, scene.environment.atmosphere.brightness,
+                                   scene.environment.weather.rain, scene.environment.weather.snow,
+                                   scene.environment.weather.wind_m_s.x, scene.environment.weather.wind_m_s.y, lamps, place_list));
     return builder.Release();
 }
 

@@ -116,7 +116,8 @@ StaticScene SceneData::view() const {
                       .mesh_leaves = mesh_leaves,
                       .instance_nodes = instance_nodes,
                       .height_grid = height_grid,
-                      .environment = environment};
+                      .environment = environment,
+                      .lamps = lamps};
     scene.height_grid.heights = heights;
     scene.environment.panorama = sky_panorama;
     return scene;

@@ -57,6 +57,7 @@ class SceneData {
     std::vector<BvhNode> instance_nodes;
     std::vector<float> heights;
     std::vector<std::uint16_t> sky_panorama;
+    std::vector<Lamp> lamps;
     HeightGrid height_grid;   ///< its span is set by view()
     Environment environment;  ///< likewise
     WorldPos origin{0.0};

@@ -18,6 +18,7 @@
 #include "engine/math/types.h"
 #include "engine/scene/bvh.h"
 #include "engine/scene/environment.h"
+#include "engine/scene/lamp.h"
 
 namespace ff::scene {
 
@@ -35,6 +36,7 @@ enum MaterialFlags : std::uint32_t {
     kMaterialUnlit = 1u << 2,        ///< KHR_materials_unlit
     kMaterialDoubleSided = 1u << 3,  ///< else back faces are still hit, but shaded with the flipped normal
     kMaterialSpecular = 1u << 4,     ///< rough or metallic enough that a highlight shows; else diffuse only
+    kMaterialWater = 1u << 5,        ///< open water: waves, and mirrors what is around it
 };
 
 inline constexpr std::uint32_t kNoTexture = 0xFFFFFFFFu;
@@ -122,6 +124,7 @@ struct StaticScene {
     std::span<const BvhNode> instance_nodes;  ///< one BVH over the instances, boxes relative to origin
     HeightGrid height_grid;
     Environment environment;
+    std::span<const Lamp> lamps;
 };
 
 }  // namespace ff::scene

@@ -84,6 +84,7 @@ class World {
 
     SceneData data_;              ///< empty where a pack was loaded
     assets::PageBuffer storage_;  ///< the arrays of a loaded pack
+    std::vector<Lamp> lamps_;     ///< likewise
     StaticScene scene_;
     WorldInfo info_;
     PoseRoom pose_room_;

@@ -68,7 +68,12 @@ void main() {
 #else
     vec3 shaded = shade_diffuse(s);
 #endif
-#ifdef FOG
+#ifdef AIR
+    if (shading.panorama_size.z > 0.0)
+        shaded = behind_air(shaded, ray_length / gl_FragCoord.w, world_direction(uv) / ray_length);
+    else
+        shaded = add_fog(shaded, ray_length / gl_FragCoord.w);
+#elif defined(FOG)
     shaded = add_fog(shaded, ray_length / gl_FragCoord.w);
 #endif
     color.rgb = encode_srgb(shaded);

@@ -12,7 +12,11 @@ layout(std140, binding = 1) uniform Shading {
     vec4 horizon;
     vec4 zenith;
     vec4 haze;
-    vec4 panorama_size;  // xy: texels, 0 without one
+    vec4 panorama_size;  // xy: texels, 0 without one; z: 1 with an atmosphere
+    vec4 sunward;        // xz: unit, level, towards the sun's azimuth
+    vec4 night;
+    vec4 air;            // xyz: Rayleigh extinction per metre at the eye; w: haze's and fog's
+    vec4 sky_rows[128];  // scene::SkyTable: rayleigh, rayleigh_sunward, mie, mie_sunward
 } shading;
 // GL_RGBA16F, one level, GL_LINEAR, GL_REPEAT in s, GL_CLAMP_TO_EDGE in t, the zenith's row first. Any texture where the
 // scene has none.
@@ -27,6 +31,12 @@ const float kSunGlowNarrow = 0.20;
 const float kSunDisc = 4.0;
 const float kSunDiscEdge = 0.99988;
 const float kSunDiscFull = 0.99997;
+const int kSkyRows = 32;
+const float kHazeSquare = 1.5776;
+const float kHazeTwice = 1.52;
+const float kRayleighHeightM = 8000.0;
+const float kMieHeightM = 1200.0;
+const float kMaxAirHeights = 8.0;
 const float kDielectric = 0.04;
 const float kMinRoughness = 0.08;
 
@@ -88,8 +98,56 @@ vec3 gradient_sky(vec3 direction) {
     return sky_gradient(direction.y) + sun * shading.sun_radiance.rgb;
 }
 
+// The light of two rows of the sky's table, t of the way between them; without sun and night. direction: unit.
+vec3 light_of_rows(int a, int b, float t, vec3 direction) {
+    float level = dot(direction, shading.sunward.xyz);
+    float cosine = dot(direction, shading.to_sun.xyz);
+    vec4 rayleigh = mix(shading.sky_rows[4 * a], shading.sky_rows[4 * b], t);
+    vec4 rayleigh_sunward = mix(shading.sky_rows[4 * a + 1], shading.sky_rows[4 * b + 1], t);
+    vec4 mie = mix(shading.sky_rows[4 * a + 2], shading.sky_rows[4 * b + 2], t);
+    vec4 mie_sunward = mix(shading.sky_rows[4 * a + 3], shading.sky_rows[4 * b + 3], t);
+    float root = inversesqrt(kHazeSquare - kHazeTwice * cosine);
+    return (rayleigh.rgb + level * rayleigh_sunward.rgb) * (1.0 + cosine * cosine) +
+           (mie.rgb + level * mie_sunward.rgb) * (root * root * root);
+}
+
+// How bright the air's light shows: what is very bright saturates.
+vec3 shown_air(vec3 light) {
+    return 1.0 - exp(-light);
+}
+
+// direction: unit.
+vec3 atmosphere_sky(vec3 direction) {
+    float at = sqrt(clamp(direction.y, 0.0, 1.0)) * float(kSkyRows - 1);
+    int below = min(int(at), kSkyRows - 2);
+    vec3 sky = shown_air(light_of_rows(below, below + 1, at - float(below), direction) + shading.night.rgb);
+    float down = min(max(-direction.y, 0.0) * kHazeRate, 1.0);
+    sky = mix(sky, shading.haze.rgb, down * (2.0 - down));
+    float cosine = dot(direction, shading.to_sun.xyz);
+    float disc = clamp((cosine - kSunDiscEdge) / (kSunDiscFull - kSunDiscEdge), 0.0, 1.0);
+    float sun = kSunDisc * disc * disc * clamp(1.0 + direction.y * kHazeRate, 0.0, 1.0);
+    return sky + sun * shading.sun_radiance.rgb;
+}
+
+// Mean of exp(-x) from 0 to x: density along a ray that climbs x scale heights, over that where it starts.
+float mean_density(float x) {
+    x = clamp(x, -kMaxAirHeights, kMaxAirHeights);
+    if (abs(x) < 0.05) return 1.0 + x * (x / 6.0 - 0.5);
+    return (1.0 - exp(-x)) / x;
+}
+
+// A surface's colour behind the atmosphere. direction: unit.
+vec3 behind_air(vec3 color, float distance_m, vec3 direction) {
+    vec3 air = shown_air(light_of_rows(0, 0, 0.0, direction) + shading.night.rgb);
+    float climb = distance_m * direction.y;
+    vec3 depth = distance_m * (shading.air.rgb * mean_density(climb / kRayleighHeightM) +
+                               shading.air.w * mean_density(climb / kMieHeightM));
+    return mix(air, color, exp(-depth));
+}
+
 // direction: unit, world axes.
 vec3 sky_color(vec3 direction) {
+    if (shading.panorama_size.z > 0.0) return atmosphere_sky(direction);
     if (shading.panorama_size.x == 0.0) return gradient_sky(direction);
     float azimuth = atan(direction.x, -direction.z);
     float polar = atan(length(direction.xz), direction.y);

@@ -104,7 +104,8 @@ void load_raw_block(const ShadeFrame& frame, const TriangleName* names, int coun
                 record[kQuadSpecular + 1] = material.roughness;
                 record[kQuadSpecular + 2] = std::bit_cast<float>(map.info);
                 record[kQuadSpecular + 3] = std::bit_cast<float>(map.first_texel);
-            } else if (!unlit && (normal_bits[0] != normal_bits[1] || normal_bits[0] != normal_bits[2])) {
+            } else if (!unlit &&
+                       (needs.light_by_pixel || normal_bits[0] != normal_bits[1] || normal_bits[0] != normal_bits[2])) {
                 bits |= kLanePixelLit;
             }
             const TextureRows base = texture_rows(scene, material.base_color_texture);

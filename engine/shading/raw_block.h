@@ -26,8 +26,9 @@ struct alignas(64) RawBlock {
 
 /// What a whole tile needs, known before its triangles are read.
 struct TileNeeds {
-    bool full = false;    ///< some pixel shades with textures
-    bool prelit = false;  ///< some pixel is beyond ShadeSettings::prelit_beyond_m
+    bool full = false;            ///< some pixel shades with textures
+    bool light_by_pixel = false;  ///< lamps, wetness or snow: no triangle is lit as a whole
+    bool prelit = false;          ///< some pixel is beyond ShadeSettings::prelit_beyond_m
 };
 
 /// Loads names [first, first + count), count <= 16, and writes the quads of their records that need no arithmetic.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/common.hpp>
+#include <glm/exponential.hpp>
 #include <glm/geometric.hpp>
 #include <glm/gtc/packing.hpp>
 #include <glm/matrix.hpp>
@@ -141,6 +142,50 @@ DVec3 panorama_texel(const scene::Environment& environment, std::int64_t i, std:
     return {glm::unpackHalf1x16(texel[0]), glm::unpackHalf1x16(texel[1]), glm::unpackHalf1x16(texel[2])};
 }
 
+/// How bright the air's light shows: what is very bright saturates.
+DVec3 shown_air(const DVec3& light) {
+    return DVec3(1.0) - glm::exp(-light);
+}
+
+/// The light of two rows of the sky's table, `t` of the way between them; without sun and night.
+/// @param d  unit
+DVec3 light_of_rows(const ShadingUniforms& uniforms, const scene::SkyTable::Row& a, const scene::SkyTable::Row& b,
+                    double t, const DVec3& d) {
+    const double h = glm::dot(d, DVec3(uniforms.sunward)), m = glm::dot(d, DVec3(uniforms.to_sun));
+    const auto mixed = [&](const Vec4& from, const Vec4& to) { return glm::mix(DVec3(from), DVec3(to), t); };
+    return (mixed(a.rayleigh, b.rayleigh) + h * mixed(a.rayleigh_sunward, b.rayleigh_sunward)) * (1.0 + m * m) +
+           (mixed(a.mie, b.mie) + h * mixed(a.mie_sunward, b.mie_sunward)) *
+               std::pow(double(kHazeSquare) - double(kHazeTwice) * m, -1.5);
+}
+
+/// @param d  unit
+DVec3 atmosphere_sky(const ShadingUniforms& uniforms, const DVec3& d) {
+    const double at = std::sqrt(clamp01(d.y)) * (scene::SkyTable::kRows - 1);
+    const int i = std::min(int(at), scene::SkyTable::kRows - 2);
+    const DVec3 sky = shown_air(light_of_rows(uniforms, uniforms.sky_rows[i], uniforms.sky_rows[i + 1], at - i, d) +
+                                DVec3(uniforms.night));
+    const double down = std::min(std::max(-d.y, 0.0) * kHazeRate, 1.0);
+    const double disc = clamp01((glm::dot(d, DVec3(uniforms.to_sun)) - kSunDiscEdge) / (kSunDiscFull - kSunDiscEdge));
+    return glm::mix(sky, DVec3(uniforms.haze), down * (2.0 - down)) +
+           kSunDisc * disc * disc * clamp01(1.0 + d.y * kHazeRate) * DVec3(uniforms.sun_radiance);
+}
+
+/// Mean of exp(-x) from 0 to x: density along a ray that climbs x scale heights, over that where it starts.
+double mean_density(double x) {
+    x = std::clamp(x, -double(kMaxAirHeights), double(kMaxAirHeights));
+    return std::abs(x) < 1e-6 ? 1.0 : -std::expm1(-x) / x;
+}
+
+/// A surface's colour behind the atmosphere. @param d  unit
+DVec3 behind_air(const ShadingUniforms& uniforms, const DVec3& color, double distance_m, const DVec3& d) {
+    const DVec3 air =
+        shown_air(light_of_rows(uniforms, uniforms.sky_rows[0], uniforms.sky_rows[0], 0.0, d) + DVec3(uniforms.night));
+    const double climb = distance_m * d.y;
+    const DVec3 depth = distance_m * (DVec3(uniforms.air) * mean_density(climb / kRayleighHeightM) +
+                                      DVec3(uniforms.air.w) * mean_density(climb / kMieHeightM));
+    return glm::mix(air, color, glm::exp(-depth));
+}
+
 /// @param d  unit
 DVec3 sky_color(const ShadingUniforms& uniforms, const scene::Environment& environment, const DVec3& d) {
     if (uniforms.panorama_size.x > 0.0f) {
@@ -153,6 +198,7 @@ DVec3 sky_color(const ShadingUniforms& uniforms, const scene::Environment& envir
             glm::mix(panorama_texel(environment, i0, j0 + 1), panorama_texel(environment, i0 + 1, j0 + 1), column - i),
             row - j);
     }
+    if (uniforms.panorama_size.z > 0.0f) return atmosphere_sky(uniforms, d);
     const double cosine = std::max(glm::dot(d, DVec3(uniforms.to_sun)), 0.0);
     const double disc = clamp01((cosine - kSunDiscEdge) / (kSunDiscFull - kSunDiscEdge));
     const double sun =
@@ -162,7 +208,7 @@ DVec3 sky_color(const ShadingUniforms& uniforms, const scene::Environment& envir
 
 /// See specular_surface in shading_kernel.cpp for the sources.
 DVec3 specular_surface(const ShadingUniforms& uniforms, const DVec3& n, const DVec3& to_eye, const DVec3& color,
-                       double metallic, double roughness, double sun_seen) {
+                       double metallic, double roughness, double sun_seen, const DVec3& lamps) {
     const DVec3 sun(uniforms.to_sun);
     const double n_l = std::max(glm::dot(n, sun), 0.0), n_v = std::max(glm::dot(n, to_eye), 1e-4);
     const DVec3 half = glm::normalize(sun + to_eye);
@@ -176,7 +222,7 @@ DVec3 specular_surface(const ShadingUniforms& uniforms, const DVec3& n, const DV
     const double lobe = 0.5 * alpha2 * n_l / std::max(base * base * smith, 1e-9);
     const DVec3 f0 = glm::mix(DVec3(kDielectric), color, metallic);
     const DVec3 fresnel = glm::mix(f0, DVec3(1.0), std::pow(1.0 - v_h, 5.0));
-    const DVec3 lit = (1.0 - metallic) * color * diffuse_light(uniforms, n, sun_seen) +
+    const DVec3 lit = (1.0 - metallic) * color * (diffuse_light(uniforms, n, sun_seen) + lamps) +
                       sun_seen * lobe * fresnel * DVec3(uniforms.sun_radiance);
 
     const double mirrored_y = 2.0 * n_v * n.y - to_eye.y;
@@ -188,9 +234,27 @@ DVec3 specular_surface(const ShadingUniforms& uniforms, const DVec3& n, const DV
     return lit + mirrored * (f0 * (r2 - 1.04 * a004) + DVec3(1.04 * a004 + r3));
 }
 
+/// Light of lamps on a white surface. @param at  relative to the viewer
+DVec3 lamp_light(std::span<const LampLight> lamps, const DVec3& at, const DVec3& n) {
+    DVec3 sum(0.0);
+    for (const LampLight& lamp : lamps) {
+        const DVec3 toward = DVec3(lamp.position) - at;
+        const double distance2 = glm::dot(toward, toward);
+        sum += DVec3(lamp.strength) * lamp_falloff(distance2, lamp.radius_m) *
+               std::max(0.0, glm::dot(toward, n) / std::sqrt(std::max(distance2, 1e-12)));
+    }
+    return sum;
+}
+
+/// How much of a layer that falls from the sky lies on surfaces of a normal's height.
+double lies_on(double normal_y, double amount, double from, double full) {
+    return amount * clamp01((normal_y - from) / (full - from));
+}
+
 /// Linear, before fog.
 DVec3 surface_color(const StaticScene& scene, const ShadingUniforms& uniforms, const SeenTriangle& seen,
-                    const DVec3& direction, double pixel_angle, double sun_seen) {
+                    const DVec3& direction, double depth, double pixel_angle, double sun_seen,
+                    const ShadeSettings& settings) {
     const scene::Material& material = *seen.material;
     const auto interpolated = [&](const auto& at0, const auto& at1, const auto& at2) {
         return at0 + seen.b1 * (at1 - at0) + seen.b2 * (at2 - at0);
@@ -211,16 +275,22 @@ DVec3 surface_color(const StaticScene& scene, const ShadingUniforms& uniforms, c
     const DVec3 facing = seen.plane < 0.0 ? seen.unit_normal : -seen.unit_normal;
     if (glm::dot(normal, facing) < 0.0) normal = -normal;
     normal /= std::max(glm::length(normal), 1e-30);
-    if (!(material.flags & scene::kMaterialSpecular))
-        return soft_clip(color * diffuse_light(uniforms, normal, sun_seen) + emissive);
+    color = glm::mix(color, DVec3(kSnowAlbedo), lies_on(normal.y, settings.snow_cover, kSnowFrom, kSnowFull));
+    const double wetness = lies_on(normal.y, settings.wet, kWetFrom, kWetFull);
+    color *= 1.0 - kWetDarkens * wetness;
+    const DVec3 lamps = lamp_light(settings.lamps, depth * direction, normal), to_eye = -glm::normalize(direction);
+    if (!(material.flags & scene::kMaterialSpecular)) {
+        const DVec3 dry = color * (diffuse_light(uniforms, normal, sun_seen) + lamps);
+        const DVec3 film = specular_surface(uniforms, normal, to_eye, color, 0.0, kWetRoughness, sun_seen, lamps);
+        return soft_clip(glm::mix(dry, film, wetness) + emissive);
+    }
     DVec2 rough_metal(material.roughness, material.metallic);
     if (material.metallic_roughness_texture != scene::kNoTexture) {
         const DVec3 map = sample(scene, scene.textures[material.metallic_roughness_texture], uv, footprint);
         rough_metal *= DVec2(map.y, map.z);
     }
-    return soft_clip(
-        specular_surface(uniforms, normal, -glm::normalize(direction), color, rough_metal.y, rough_metal.x, sun_seen) +
-        emissive);
+    return soft_clip(specular_surface(uniforms, normal, to_eye, color, rough_metal.y, rough_metal.x, sun_seen, lamps) +
+                     emissive);
 }
 
 DVec3 prelit_color(const StaticScene& scene, const ShadingUniforms& uniforms, const SeenTriangle& seen,
@@ -256,7 +326,7 @@ DVec3 ray_direction(const PinholeView& view, int x, int y) {
 Vec3 shade_reference(const StaticScene& scene, std::span<const scene::Instance> dynamic, const PinholeView& view, int x,
                      int y, std::uint32_t instance, std::uint32_t triangle, float depth,
                      const ShadeSettings& settings) {
-    const ShadingUniforms uniforms = make_uniforms(scene.environment, view.pixel_angle());
+    const ShadingUniforms uniforms = make_uniforms(scene.environment, view);
     const DVec3 direction = ray_direction(view, x, y);
     DVec3 color;
     if (instance == farfield::kSkyInstance) {
@@ -269,9 +339,11 @@ Vec3 shade_reference(const StaticScene& scene, std::span<const scene::Instance> 
             settings.sun_seen == nullptr ? 1.0 : settings.sun_seen[std::size_t(y) * stride + std::size_t(x)] / 255.0;
         color = depth > settings.prelit_beyond_m
                     ? prelit_color(scene, uniforms, seen, sun_seen)
-                    : surface_color(scene, uniforms, seen, direction, view.pixel_angle(), sun_seen);
-        const double clear = std::exp(-double(uniforms.to_sun.w) * depth * glm::length(direction));
-        color = glm::mix(DVec3(uniforms.horizon), color, clear);
+                    : surface_color(scene, uniforms, seen, direction, depth, view.pixel_angle(), sun_seen, settings);
+        const double distance_m = depth * glm::length(direction);
+        color = uniforms.panorama_size.z > 0.0f
+                    ? behind_air(uniforms, color, distance_m, glm::normalize(direction))
+                    : glm::mix(DVec3(uniforms.horizon), color, std::exp(-double(uniforms.to_sun.w) * distance_m));
     }
     return Vec3(encoded(clamp01(color.x)), encoded(clamp01(color.y)), encoded(clamp01(color.z)));
 }

@@ -8,8 +8,10 @@
 #include <hwy/highway.h>
 //
 #include <algorithm>
+#include <array>
 #include <bit>
 
+#include "engine/shading/lamp_light.h"
 #include "engine/shading/shading_kernel.h"
 #include "engine/shading/simd_color-inl.h"
 #include "engine/shading/simd_sky-inl.h"
@@ -60,11 +62,14 @@ struct Rays {
     VF u, v;
     VF length_squared;  ///< 1 + u^2 + v^2
 
+    /// In world axes; as long as makes them reach a depth of 1.
+    HWY_INLINE V3 directions(const PinholeView& view) const {
+        return transform(broadcast(view.world_from_camera[0]), broadcast(view.world_from_camera[1]),
+                         broadcast(view.world_from_camera[2]), {u, v, splat(-1.0f)});
+    }
     /// Unit directions in world axes.
     HWY_INLINE V3 unit_directions(const PinholeView& view) const {
-        const V3 d = transform(broadcast(view.world_from_camera[0]), broadcast(view.world_from_camera[1]),
-                               broadcast(view.world_from_camera[2]), {u, v, splat(-1.0f)});
-        return scale(hn::Div(splat(1.0f), hn::Sqrt(length_squared)), d);
+        return scale(hn::Div(splat(1.0f), hn::Sqrt(length_squared)), directions(view));
     }
 };
 
@@ -93,7 +98,8 @@ struct Surface {
     V3 to_eye;  ///< unit
     Rgb color;  ///< linear
     VF metallic, roughness;
-    Rgb sun;  ///< radiance that arrives
+    Rgb sun;    ///< radiance that arrives
+    Rgb lamps;  ///< light of lamps on a white surface
 };
 
 /// Light that leaves a metallic-roughness surface. Sun: GGX, Smith height-correlated, Schlick. Sky: the mirrored
@@ -126,7 +132,8 @@ HWY_INLINE Rgb specular_surface(const ShadingUniforms& uniforms, const Surface& 
     const Rgb f0 = mix({splat(kDielectric), splat(kDielectric), splat(kDielectric)}, s.color, metallic);
     const Rgb fresnel = mix(f0, {one, one, one}, schlick);
     const Rgb diffuse = multiply(hn::Sub(one, metallic), s.color);
-    Rgb out = multiply(diffuse, multiply_add(n_l, s.sun, diffuse_light(uniforms, s.normal.y, hn::Zero(df))));
+    const Rgb around = multiply_add(splat(1.0f), diffuse_light(uniforms, s.normal.y, hn::Zero(df)), s.lamps);
+    Rgb out = multiply(diffuse, multiply_add(n_l, s.sun, around));
     out = multiply_add(lobe, multiply(fresnel, s.sun), out);
 
     // The sky in the mirrored direction, blurred towards the hemisphere's light as roughness grows.
@@ -149,11 +156,44 @@ HWY_INLINE VF load_sun_seen(const std::uint8_t* at) {
     return hn::Mul(hn::ConvertTo(df, hn::PromoteTo(di, hn::LoadU(bytes, at))), splat(1.0f / 255.0f));
 }
 
+/// A tile's lamps, by their index in ShadeSettings::lamps.
+struct TileLamps {
+    std::array<std::uint16_t, kMaxTileLamps> index;
+    int count = 0;
+};
+
+/// Light of a tile's lamps on white surfaces. See lamp_falloff.
+/// @param at  relative to the viewer
+HWY_INLINE Rgb lamp_light(const ShadeFrame& frame, const TileLamps& lamps, const V3& at, const V3& normal) {
+    Rgb sum = {hn::Zero(df), hn::Zero(df), hn::Zero(df)};
+    const VF one = splat(1.0f);
+    for (int i = 0; i < lamps.count; ++i) {
+        const LampLight& lamp = frame.settings.lamps[lamps.index[std::size_t(i)]];
+        const V3 toward = sub(broadcast(lamp.position), at);
+        const VF distance2 = dot(toward, toward);
+        const VF share = hn::Mul(distance2, splat(1.0f / (lamp.radius_m * lamp.radius_m)));
+        if (hn::AllFalse(df, hn::Lt(share, one))) continue;
+        const VF window = hn::Max(hn::NegMulAdd(share, share, one), hn::Zero(df));
+        const VF cosine =
+            hn::Div(hn::Max(dot(toward, normal), hn::Zero(df)), hn::Sqrt(hn::Max(distance2, splat(1e-12f))));
+        const VF light = hn::Div(hn::Mul(hn::Mul(window, window), cosine), hn::Add(distance2, splat(kLampCore)));
+        sum = multiply_add(light, {splat(lamp.strength.x), splat(lamp.strength.y), splat(lamp.strength.z)}, sum);
+    }
+    return sum;
+}
+
+/// How much of a layer that falls from the sky lies on surfaces of a normal's height.
+HWY_INLINE VF lies_on(VF normal_y, float amount, float from, float full) {
+    const VF share = clamp01(hn::Mul(hn::Sub(normal_y, splat(from)), splat(1.0f / (full - from))));
+    return hn::Mul(share, splat(amount));
+}
+
 /// Linear colour of the pixels of a vector before fog.
+/// @param depth     of the pixels
 /// @param sun_seen  shares, where ShadeSettings::sun_seen is given
 template <bool kOneTriangle>
 HWY_INLINE Rgb shade_surface(const ShadeFrame& frame, const Records<kOneTriangle>& records, const Rays& rays,
-                             VF sun_seen) {
+                             const TileLamps& lamps, VF depth, VF sun_seen) {
     const std::int32_t bits = records.info_bits();
     const ShadingUniforms& uniforms = frame.uniforms;
     const Quad quad_s = records.quad(kQuadS);
@@ -201,14 +241,37 @@ HWY_INLINE Rgb shade_surface(const ShadeFrame& frame, const Records<kOneTriangle
         const VF turn = hn::And(interpolated({nx.d, ny.d, nz.d, nz.d}, b1, b2), hn::SignBit(df));
         n = {hn::Xor(n.x, turn), hn::Xor(n.y, turn), hn::Xor(n.z, turn)};
         const VF sun_cosine = dot(n, broadcast(Vec3(uniforms.to_sun)));
-        const Rgb light = diffuse_light(uniforms, n.y, hn::Mul(sun_cosine, sun_seen));
+        const float snow = frame.settings.snow_cover, wet = frame.settings.wet;
+        if (snow > 0.0f) {
+            const VF white = splat(kSnowAlbedo);
+            color = mix(color, {white, white, white}, lies_on(n.y, snow, kSnowFrom, kSnowFull));
+        }
+        const VF wetness = wet > 0.0f ? lies_on(n.y, wet, kWetFrom, kWetFull) : hn::Zero(df);
+        if (wet > 0.0f) color = multiply(hn::NegMulAdd(wetness, splat(kWetDarkens), splat(1.0f)), color);
+        Rgb light = diffuse_light(uniforms, n.y, hn::Mul(sun_cosine, sun_seen));
+        Rgb from_lamps = {hn::Zero(df), hn::Zero(df), hn::Zero(df)};
+        if (lamps.count > 0) {
+            from_lamps = lamp_light(frame, lamps, scale(depth, rays.directions(frame.view)), n);
+            light = multiply_add(splat(1.0f), light, from_lamps);
+        }
         Rgb lit = multiply(color, light);
+        if (wet > 0.0f) {
+            const Surface film = {.normal = n,
+                                  .to_eye = scale(splat(-1.0f), rays.unit_directions(frame.view)),
+                                  .color = color,
+                                  .metallic = hn::Zero(df),
+                                  .roughness = splat(kWetRoughness),
+                                  .sun = multiply(sun_seen, splat(uniforms.sun_radiance)),
+                                  .lamps = from_lamps};
+            lit = mix(lit, specular_surface(uniforms, film), wetness);
+        }
         if (bits & kLaneSpecular) {
             Surface surface;
             surface.normal = n;
             surface.to_eye = scale(splat(-1.0f), rays.unit_directions(frame.view));
             surface.color = color;
             surface.sun = multiply(sun_seen, splat(uniforms.sun_radiance));
+            surface.lamps = from_lamps;
             const Quad quad_specular = records.quad(kQuadSpecular);
             surface.metallic = quad_specular.a;
             surface.roughness = quad_specular.b;
@@ -301,13 +364,17 @@ std::uint64_t shade_tile(const ShadeFrame& frame, const farfield::TileRequest& t
     if (pixels == 0) return 0;
 
     collect_triangles(frame, x0, y0, rows, scratch);
-    const TileNeeds needs = needs_of_tile(frame, x0, y0);
+    TileNeeds needs = needs_of_tile(frame, x0, y0);
+    TileLamps lamps;
+    if (needs.full) lamps.count = find_tile_lamps(frame.settings.lamps, view, frame.visibility, tile, lamps.index);
+    needs.light_by_pixel = lamps.count > 0 || frame.settings.wet > 0.0f || frame.settings.snow_cover > 0.0f;
     set_up_triangles(frame, needs, raw, scratch);
 
     const int lanes = int(hn::Lanes(df));
     const std::uint32_t lane_bits = lanes == 32 ? 0xFFFFFFFFu : (1u << lanes) - 1u;
     const VF prelit_beyond = splat(frame.settings.prelit_beyond_m);
-    const bool has_fog = frame.uniforms.to_sun.w > 0.0f;
+    const bool has_air = frame.uniforms.panorama_size.z > 0.0f;
+    const bool has_fog = !has_air && frame.uniforms.to_sun.w > 0.0f;
     for (int j = 0; j < row_count; ++j) {
         const std::size_t first = frame.visibility.index(x0, y0 + j);
         prefetch_row(frame, next, j);
@@ -339,8 +406,8 @@ std::uint64_t shade_tile(const ShadeFrame& frame, const farfield::TileRequest& t
                 const VF sun_seen = sun_seen_at == nullptr ? splat(1.0f) : load_sun_seen(sun_seen_at + first + i);
                 color = {hn::Zero(df), hn::Zero(df), hn::Zero(df)};
                 if (!any_far || !hn::AllTrue(df, hn::Or(far, is_sky)))
-                    color = one_triangle ? shade_surface<true>(frame, one, rays, sun_seen)
-                                         : shade_surface<false>(frame, many, rays, sun_seen);
+                    color = one_triangle ? shade_surface<true>(frame, one, rays, lamps, depth, sun_seen)
+                                         : shade_surface<false>(frame, many, rays, lamps, depth, sun_seen);
                 if (any_far) {
                     const auto quad = [&](int row) HWY_ATTR { return one_triangle ? one.quad(row) : many.quad(row); };
                     const Quad lit = quad(kQuadPrelit);
@@ -355,6 +422,11 @@ std::uint64_t shade_tile(const ShadeFrame& frame, const farfield::TileRequest& t
                     const VF distance = hn::Mul(depth, hn::Sqrt(rays.length_squared));
                     const VF clear = exp_negative(hn::Mul(distance, splat(frame.uniforms.to_sun.w)));
                     color = mix(splat(frame.uniforms.horizon), color, clear);
+                }
+                if (has_air) {
+                    const V3 d = rays.unit_directions(view);
+                    const VF distance = hn::Mul(depth, hn::Sqrt(rays.length_squared));
+                    color = behind_air(frame.uniforms, color, distance, d.x, d.y, d.z);
                 }
                 if (!hn::AllFalse(df, is_sky)) {
                     const V3 d = rays.unit_directions(view);

@@ -4,6 +4,7 @@
 
 #include "engine/math/camera.h"
 #include "engine/scene/environment.h"
+#include "engine/shading/atmosphere.h"
 
 namespace ff::shading {
 
@@ -27,6 +28,18 @@ inline constexpr float kSunGlowNarrow = 0.20f;
 inline constexpr float kSunDisc = 4.0f;
 inline constexpr float kSunDiscEdge = 0.99988f;  ///< cosine where it begins: 0.9 degrees
 inline constexpr float kSunDiscFull = 0.99997f;  ///< and is full: 0.45 degrees
+/// 1 + g^2 and 2 g of the haze's phase function (atmosphere.h).
+inline constexpr float kHazeSquare = 1.0f + kMieG * kMieG;
+inline constexpr float kHazeTwice = 2.0f * kMieG;
+/// Aerial perspective: heights above the eye are taken to be within so many scale heights.
+inline constexpr float kMaxAirHeights = 8.0f;
+/// Wet ground: faces up from this height of the normal on, wholly from the other; darker by so much, and so rough.
+inline constexpr float kWetFrom = 0.55f, kWetFull = 0.9f;
+inline constexpr float kWetDarkens = 0.45f;
+inline constexpr float kWetRoughness = 0.22f;
+/// Snow lies likewise, and is so white.
+inline constexpr float kSnowFrom = 0.5f, kSnowFull = 0.85f;
+inline constexpr float kSnowAlbedo = 0.82f;
 /// Reflectance of dielectrics facing the viewer, glTF's.
 inline constexpr float kDielectric = 0.04f;
 /// Below this a highlight would be a single pixel that flickers.
@@ -42,11 +55,15 @@ struct alignas(16) ShadingUniforms {
     Vec4 horizon;        ///< sky at eye level, and the colour of fog
     Vec4 zenith;         //
     Vec4 haze;           ///< what stands below the horizon where the world ends
-    Vec4 panorama_size;  ///< xy: width and height in texels, 0 without one; zw: unused
+    Vec4 panorama_size;  ///< xy: width and height in texels, 0 without one; z: 1 with an atmosphere, else 0
+    // With an atmosphere (scene::SkyTable):
+    Vec4 sunward;  ///< xz: unit, level, towards the sun's azimuth
+    Vec4 night;    //
+    Vec4 air;      ///< xyz: Rayleigh extinction per metre at the eye; w: haze's and fog's
+    scene::SkyTable::Row sky_rows[scene::SkyTable::kRows];
 };
-static_assert(sizeof(ShadingUniforms) == 9 * 16);
+static_assert(sizeof(ShadingUniforms) == (12 + 4 * scene::SkyTable::kRows) * 16);
 
-/// @param pixel_angle  PinholeView::pixel_angle() of the view that is shaded
-[[nodiscard]] ShadingUniforms make_uniforms(const scene::Environment& environment, float pixel_angle);
+[[nodiscard]] ShadingUniforms make_uniforms(const scene::Environment& environment, const PinholeView& view);
 
 }  // namespace ff::shading

@@ -10,6 +10,7 @@
 #include "engine/farfield/visibility_buffer.h"
 #include "engine/math/camera.h"
 #include "engine/scene/static_scene.h"
+#include "engine/shading/lamp_light.h"
 
 namespace ff::shading {
 
@@ -27,6 +28,10 @@ struct ShadeSettings {
     float prelit_beyond_m = std::numeric_limits<float>::infinity();
     /// How much of the sun each pixel sees, as VisibilityBuffer::index: 0 none, 255 all. nullptr: all everywhere.
     const std::uint8_t* sun_seen = nullptr;
+    /// Lit lamps, the nearest first. Prelit triangles know none; nor do walls between a lamp and a surface.
+    std::span<const LampLight> lamps;
+    /// How wet and how snowed over is what faces up, [0, 1]; prelit triangles stay as they are.
+    float wet = 0.0f, snow_cover = 0.0f;
 };
 
 /// Colours the pixels that the tiles ask for; all of them must be resolved or sky. Parallel over tiles.

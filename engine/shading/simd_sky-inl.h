@@ -8,6 +8,7 @@
 #endif
 
 #include "engine/shading/simd_color-inl.h"
+#include "engine/shading/simd_quads-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace ff::shading::HWY_NAMESPACE {
@@ -96,9 +97,90 @@ HWY_INLINE Rgb panorama_sky(const scene::Environment& environment, VF x, VF y, V
     return mix(mix(fetch(i0, j0), fetch(i1, j0), s), mix(fetch(i0, j1), fetch(i1, j1), s), t);
 }
 
+/// Phase functions and the part of a unit direction towards the sun's azimuth, as scene::SkyTable's light needs them.
+struct TowardSun {
+    VF cosine, level, rayleigh, mie;
+
+    HWY_INLINE TowardSun(const ShadingUniforms& uniforms, VF x, VF y, VF z) {
+        cosine = hn::MulAdd(x, splat(uniforms.to_sun.x),
+                            hn::MulAdd(y, splat(uniforms.to_sun.y), hn::Mul(z, splat(uniforms.to_sun.z))));
+        level = hn::MulAdd(x, splat(uniforms.sunward.x), hn::Mul(z, splat(uniforms.sunward.z)));
+        rayleigh = hn::MulAdd(cosine, cosine, splat(1.0f));
+        const VF root = hn::Sqrt(hn::NegMulAdd(cosine, splat(kHazeTwice), splat(kHazeSquare)));
+        mie = hn::Div(splat(1.0f), hn::Mul(hn::Mul(root, root), root));
+    }
+    HWY_INLINE Rgb light(const Rgb& rayleigh0, const Rgb& rayleigh_sunward, const Rgb& mie0,
+                         const Rgb& mie_sunward) const {
+        const Rgb haze = multiply(mie, multiply_add(level, mie_sunward, mie0));
+        return multiply_add(rayleigh, multiply_add(level, rayleigh_sunward, rayleigh0), haze);
+    }
+};
+
+/// How bright the air's light shows: what is very bright saturates.
+HWY_INLINE Rgb shown_air(const Rgb& light) {
+    const VF one = splat(1.0f);
+    return {hn::Sub(one, exp_negative(light.r)), hn::Sub(one, exp_negative(light.g)),
+            hn::Sub(one, exp_negative(light.b))};
+}
+
+/// The sky of an atmosphere. x, y, z: unit direction.
+HWY_INLINE Rgb atmosphere_sky(const ShadingUniforms& uniforms, VF x, VF y, VF z) {
+    constexpr int kRows = scene::SkyTable::kRows;
+    constexpr int kRowFloats = sizeof(scene::SkyTable::Row) / sizeof(float);
+    const TowardSun toward(uniforms, x, y, z);
+    const VF at = hn::Mul(hn::Sqrt(clamp01(y)), splat(float(kRows - 1)));
+    const VF below = hn::Min(hn::Floor(at), splat(float(kRows - 2)));
+    const VF t = hn::Sub(at, below);
+    alignas(64) std::int32_t offset[16];
+    hn::Store(hn::Mul(hn::ConvertTo(di, below), hn::Set(di, kRowFloats)), di, offset);
+    const float* rows = &uniforms.sky_rows[0].rayleigh.x;
+    const auto mixed = [&](int place) HWY_ATTR {
+        const Quad a = load_quad(rows + place, offset), b = load_quad(rows + place + kRowFloats, offset);
+        return mix({a.a, a.b, a.c}, {b.a, b.b, b.c}, t);
+    };
+    Rgb sky = toward.light(mixed(0), mixed(4), mixed(8), mixed(12));
+    sky = shown_air(multiply_add(splat(1.0f), splat(uniforms.night), sky));
+    const VF down = hn::Min(hn::Mul(hn::Max(hn::Neg(y), hn::Zero(df)), splat(kHazeRate)), splat(1.0f));
+    sky = mix(sky, splat(uniforms.haze), hn::Mul(down, hn::Sub(splat(2.0f), down)));
+    if (hn::AllFalse(df, hn::Gt(toward.cosine, splat(kSunDiscEdge)))) return sky;
+    const VF disc =
+        clamp01(hn::Mul(hn::Sub(toward.cosine, splat(kSunDiscEdge)), splat(1.0f / (kSunDiscFull - kSunDiscEdge))));
+    const VF sun =
+        hn::Mul(hn::Mul(hn::Mul(disc, disc), splat(kSunDisc)), clamp01(hn::MulAdd(y, splat(kHazeRate), splat(1.0f))));
+    return multiply_add(sun, splat(uniforms.sun_radiance), sky);
+}
+
+/// Mean of exp(-x) from 0 to x: density along a ray that climbs x scale heights, over that where it starts.
+HWY_INLINE VF mean_density(VF x) {
+    const VF high = hn::Min(hn::Abs(x), splat(kMaxAirHeights));
+    const VF thinned = exp_negative(high);
+    // Too small for the quotient: the first terms of its series.
+    const VF series = hn::MulAdd(high, hn::MulAdd(high, splat(1.0f / 6.0f), splat(-0.5f)), splat(1.0f));
+    const VF rising = hn::IfThenElse(hn::Lt(high, splat(0.05f)), series,
+                                     hn::Div(hn::Sub(splat(1.0f), thinned), hn::Max(high, splat(0.05f))));
+    return hn::IfThenElse(hn::Lt(x, hn::Zero(df)), hn::Div(rising, thinned), rising);
+}
+
+/// A surface's colour behind the atmosphere. x, y, z: unit direction.
+HWY_INLINE Rgb behind_air(const ShadingUniforms& uniforms, const Rgb& color, VF distance_m, VF x, VF y, VF z) {
+    const TowardSun toward(uniforms, x, y, z);
+    const auto& row = uniforms.sky_rows[0];
+    Rgb air = toward.light(splat(row.rayleigh), splat(row.rayleigh_sunward), splat(row.mie), splat(row.mie_sunward));
+    air = shown_air(multiply_add(splat(1.0f), splat(uniforms.night), air));
+    const VF climb = hn::Mul(distance_m, y);
+    const VF haze =
+        hn::Mul(hn::Mul(distance_m, splat(uniforms.air.w)), mean_density(hn::Mul(climb, splat(1.0f / kMieHeightM))));
+    const VF rayleigh = hn::Mul(distance_m, mean_density(hn::Mul(climb, splat(1.0f / kRayleighHeightM))));
+    const auto clear = [&](float per_m) HWY_ATTR { return exp_negative(hn::MulAdd(rayleigh, splat(per_m), haze)); };
+    const VF r = clear(uniforms.air.x), g = clear(uniforms.air.y), b = clear(uniforms.air.z);
+    return {hn::MulAdd(hn::Sub(color.r, air.r), r, air.r), hn::MulAdd(hn::Sub(color.g, air.g), g, air.g),
+            hn::MulAdd(hn::Sub(color.b, air.b), b, air.b)};
+}
+
 /// x, y, z: unit direction, world axes.
 HWY_INLINE Rgb sky_color(const ShadingUniforms& uniforms, const scene::Environment& environment, VF x, VF y, VF z) {
     if (uniforms.panorama_size.x > 0.0f) return panorama_sky(environment, x, y, z);
+    if (uniforms.panorama_size.z > 0.0f) return atmosphere_sky(uniforms, x, y, z);
     return gradient_sky(uniforms, x, y, z);
 }
 

@@ -158,6 +158,7 @@ void show_state(State& state, double fraction, host::GameView& out) {
                   .roll = 0.0,
                   .vertical_fov = state.view().fov};
     out.turn_scale = state.view().fov / kFov;
+    out.time_s = seconds;
     out.sun = sun_at(state.day().tick);
     show_hud(state, out.camera, out.hud);
 }

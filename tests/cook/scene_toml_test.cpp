@@ -74,6 +74,33 @@ TEST_F(SceneToml, an_unknown_key_is_named_with_its_line_and_the_nearest_known_on
     EXPECT_NE(error_of("format = 1\nterain = 3\n").find(":2: scene.toml terain"), std::string::npos);
 }
 
+TEST_F(SceneToml, an_atmosphere_weather_and_lamps_are_read) {
+    const Result<WorldSource> world = load(
+        "format = 1\n[sun]\nstrength = 0.5\n[sky]\nmodel = \"atmosphere\"\nturbidity = 3\n"
+        "[weather]\nrain = 0.5\nwind_m_s = 4\nwind_from_deg = 270\n"
+        "[town]\nsize_m = 300\n[[lamp]]\nposition_m = [3.0, 5.0, -2.0]\noffset_m = [0, 1, 0]\nlumens = 900\n"
+        "[[lamp]]\nposition_m = [3.0, -2.0]\noffset_m = [0, 4, 0]\n");
+    ASSERT_TRUE(world) << world.error().message;
+    const scene::Environment& environment = world->environment;
+    EXPECT_EQ(environment.atmosphere, (scene::Atmosphere{3.0f, 0.5f}));
+    EXPECT_EQ(environment.weather.rain, 0.5f);
+    EXPECT_NEAR(environment.weather.wind_m_s.x, 4.0f, 1e-4f) << "from the west to the east";
+    EXPECT_NEAR(environment.weather.wind_m_s.y, 0.0f, 1e-4f);
+    ASSERT_EQ(world->lamps.size(), 2u);
+    EXPECT_EQ(world->lamps[0].position, DVec3(3.0, 6.0, -2.0));
+    EXPECT_EQ(world->lamps[0].lumens, 900.0f);
+    EXPECT_NEAR(world->lamps[1].position.y, 4.0, 0.5) << "above the ground";
+}
+
+TEST_F(SceneToml, two_skies_and_placeless_lamps_are_refused) {
+    EXPECT_NE(error_of("format = 1\n[sky]\nmodel = \"atmosphere\"\nzenith = [0, 0, 1]\n").find("zenith"),
+              std::string::npos);
+    EXPECT_NE(error_of("format = 1\n[sky]\nturbidity = 3\n").find("turbidity"), std::string::npos);
+    EXPECT_NE(error_of("format = 1\n[sky]\nmodel = \"cubes\"\n").find("atmosphere"), std::string::npos);
+    EXPECT_NE(error_of("format = 1\n[[lamp]]\nlumens = 3\n").find("position_m"), std::string::npos);
+    EXPECT_NE(error_of("format = 1\n[weather]\nsnow = 2\n").find("[0, 1]"), std::string::npos);
+}
+
 TEST_F(SceneToml, wrong_types_and_ranges_are_told_with_what_was_expected) {
     EXPECT_NE(error_of("format = 1\n[sun]\nelevation_deg = \"high\"\n").find(":3: [sun] elevation_deg"),
               std::string::npos);

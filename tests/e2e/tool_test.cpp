@@ -17,7 +17,7 @@ std::string hamlet() {
 }
 
 TEST(Tool, every_subcommand_explains_itself) {
-    for (const char* command : {"", "cook", "info", "render", "walk", "bench"}) {
+    for (const char* command : {"", "cook", "info", "render", "walk", "bench", "stats"}) {
         const ProcessResult result = run_ff(std::string(command) + " --help");
         EXPECT_EQ(result.exit_code, 0) << command;
         EXPECT_NE(result.out.find("Usage"), std::string::npos) << command;
@@ -48,6 +48,28 @@ TEST(Tool, bad_input_ends_with_code_3_and_names_the_file) {
         EXPECT_NE(result.err.find(path.filename().string()), std::string::npos) << result.err;
     }
     EXPECT_EQ(run_ff("walk " + hamlet() + " --walk nonesuch --out " + (scratch() / "no").string()).exit_code, 3);
+}
+
+TEST(Tool, stats_say_which_effects_a_walk_calls_for) {
+    const ProcessResult result = run_ff("stats " + hamlet() + " --frames 6 --size 160x120 --sun-shadows on --json");
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+    std::map<std::string, json> effects;
+    const json printed = json::parse(result.out);
+    for (const json& row : printed["effects"]) {
+        effects[row["name"]] = row;
+        for (const char* key : {"reason", "ms_per_frame", "allocations", "shaders", "systems", "rays_per_frame"})
+            EXPECT_TRUE(row.contains(key)) << row["name"] << " has no " << key;
+        EXPECT_EQ(
+            row["frames"]["off"].get<int>() + row["frames"]["idle"].get<int>() + row["frames"]["active"].get<int>(), 6);
+    }
+    ASSERT_TRUE(effects.contains("sun_shadows"));
+    EXPECT_EQ(effects["sun_shadows"]["state"], "active");
+    EXPECT_EQ(effects["sun_shadows"]["reason"], "switched on");
+    EXPECT_GT(effects["sun_shadows"]["rays_per_frame"], 0.0);
+    EXPECT_EQ(run_ff("stats " + hamlet() + " --without confetti").exit_code, 2);
+    const ProcessResult without = run_ff("stats " + hamlet() + " --frames 1 --sun-shadows on --without sun_shadows");
+    EXPECT_EQ(without.exit_code, 0);
+    EXPECT_NE(without.out.find("switched off"), std::string::npos) << without.out;
 }
 
 TEST(Tool, a_failed_cook_leaves_the_old_pack_as_it_was) {

@@ -16,7 +16,7 @@ FramePlan plan_of(const FrameSettings& settings, int frames_at_rest) {
     history.can_rasterise = true;
     FramePlan plan;
     for (int f = 0; f <= frames_at_rest; ++f) {
-        plan_frame(scene, {}, {.position = {0, 2, 0}}, 64, 48, settings, history, plan);
+        plan_frame(scene, {}, {}, {.position = {0, 2, 0}}, 64, 48, settings, history, plan);
         history.has_frame = true;
         history.last_view = plan.view;
         ++history.frame_number;

@@ -182,7 +182,7 @@ void budget_plans(Trial& trial) {
         for (int frame = 0; frame < kTroubledFrames; ++frame) {
             if (walks) camera.position.x += 0.05;
             camera.yaw += 0.01;
-            plan_frame(scene, {}, camera, kWidth, kHeight, settings, history, plan);
+            plan_frame(scene, {}, {}, camera, kWidth, kHeight, settings, history, plan);
             const bool is_right = plan.view.width >= 1 && plan.view.width <= kWidth && plan.view.height >= 1 &&
                                   plan.view.height <= kHeight && plan.near_m >= 0.0 && plan.near_m <= 800.0 &&
                                   std::isfinite(plan.predicted_ms) && plan.view.u_step > 0.0f;

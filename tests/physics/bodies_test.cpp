@@ -107,6 +107,20 @@ TEST(Bodies, boxes_slide_over_inner_edges_without_a_bump) {
     EXPECT_GT(w.world.body(id).pose.position.x, -8.0);
 }
 
+TEST(Bodies, balls_roll_on_and_come_to_rest) {
+    Walled w(Ground().floor(30).finish());
+    BodyDesc desc = at(physics::sphere_shape(0.3f), {-20, 0.3, 0});
+    desc.velocity_m_s = {3, 0, 0};
+    desc.rolling_resistance = 0.05f;
+    const BodyId id = *w.world.add_body(desc);
+    run(w, 60);
+    EXPECT_GT(glm::length(w.world.body(id).spin_rad_s), 4.0f);
+    run(w, 20 * 120);
+    EXPECT_TRUE(w.world.body(id).asleep);
+    EXPECT_GT(w.world.body(id).pose.position.x, -18.0);
+    EXPECT_LT(w.world.body(id).pose.position.x, 10.0);
+}
+
 TEST(Bodies, bounce_as_restitution_says) {
     Walled w(Ground().floor(6).finish());
     BodyDesc desc = at(physics::sphere_shape(0.3f), {0, 2.3, 0});

@@ -4,6 +4,7 @@
 #include <glm/geometric.hpp>
 
 #include "tests/physics/physics_worlds.h"
+#include "tests/support/town.h"
 
 namespace ff::test {
 namespace {
@@ -274,6 +275,31 @@ TEST(Character, walks_among_soup_without_getting_stuck_or_lost) {
             ASSERT_TRUE(std::isfinite(glm::length(c.position))) << seed;
             ASSERT_LT(glm::length(c.position - before.position), 1.5) << seed << " " << i;
         }
+    }
+}
+
+TEST(Character, roams_the_town_above_its_ground_and_outside_of_its_walls) {
+    Walled w(make_small_town());
+    for (std::uint32_t seed = 0; seed < 12; ++seed) {
+        Random random(seed);
+        const double x = random.in(-60, 60), z = random.in(-200, 200);
+        const CharacterId id = w.walker({x, small_town_ground(x, z) + 15.0, z});
+        int still = 0;
+        for (int i = 0; i < 1500; ++i) {
+            if (i % 60 == 0) {
+                ASSERT_TRUE(w.world.set_input(
+                    id, {.velocity_m_s = random.in_box({-12, 0, -12}, {12, 0, 12}), .jump = random.unit() < 0.3}));
+            }
+            w.world.step();
+            const CharacterState c = w.world.character(id);
+            ASSERT_GT(c.position.y, small_town_ground(c.position.x, c.position.z) - 0.6) << seed << " " << i;
+            // Nothing reaches into the capsule: a ball a hair thinner than it touches nothing.
+            const auto within = w.world.cast_sphere(c.position + DVec3(0, 0.35, 0), 0.34f, {0, 1, 0}, 1.1);
+            ASSERT_FALSE(within) << seed << " " << i << " at " << within->distance_m;
+            still = !c.on_ground && glm::length(c.velocity_m_s) < 0.1f ? still + 1 : 0;
+            ASSERT_LT(still, 60) << seed << " " << i;
+        }
+        w.world.remove_character(id);
     }
 }
 

@@ -2,9 +2,12 @@
 
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <optional>
+#include <vector>
 
 #include "engine/ecs/transform_hierarchy.h"
 #include "engine/physics/capsule.h"
+#include "engine/physics/obstacles.h"
 #include "engine/physics/systems.h"
 #include "tests/physics/physics_worlds.h"
 
@@ -99,6 +102,52 @@ TEST(Queries, rays_meet_what_the_plain_search_meets) {
             }
         }
     }
+}
+
+/// The plain search that the walk of the hierarchies stands beside: every triangle, in the order of the arrays.
+std::optional<physics::Touch> first_touch(const scene::StaticScene& scene, const Segment& capsule, double radius,
+                                          const DVec3& along) {
+    std::optional<physics::Touch> first;
+    for (const scene::Instance& instance : scene.instances) {
+        const scene::Mesh& mesh = scene.meshes[instance.mesh];
+        const DMat3 turn(instance.world_from_mesh);
+        const auto corner = [&](std::uint32_t k) {
+            const std::uint32_t v = mesh.first_vertex + scene.indices[3 * mesh.first_triangle + k];
+            return instance.position + turn * DVec3(scene.positions[v]);
+        };
+        for (std::uint32_t k = 0; k < 3 * mesh.triangle_count; k += 3)
+            if (const auto hit = physics::touch(capsule, radius, along, {corner(k), corner(k + 1), corner(k + 2)}, 1.0);
+                hit && (!first || hit->time < first->time))
+                first = hit;
+    }
+    return first;
+}
+
+TEST(Queries, sweeps_stop_where_the_plain_search_stops) {
+    int hits = 0;
+    for (std::uint32_t seed = 0; seed < 24; ++seed) {
+        const WorldPos origin = seed % 2 == 0 ? WorldPos(0.0) : WorldPos(1e6, -300, 2e6);
+        Walled w(seed % 3 == 0
+                     ? make_forest({.trees = 20, .size_m = 20, .masked = false}, {.seed = seed, .origin = origin})
+                     : make_triangle_soup({.triangles = 200}, {.seed = seed, .origin = origin}));
+        const physics::BodyStore none(w.view);
+        std::vector<std::uint32_t> slots;
+        physics::ObstacleQuery query(w.view, none, slots);
+        Random random(seed);
+        for (int i = 0; i < 60; ++i) {
+            const DVec3 foot = origin + point(random, 14);
+            const Segment capsule{foot, foot + DVec3(0, random.in(0, 1.5), 0)};
+            const double radius = random.in(0.02, 0.6);
+            const DVec3 along = point(random, 1) * std::pow(10.0, random.in(-1, 4));
+            const auto fast = query.sweep(capsule, radius, along, {});
+            const auto plain = first_touch(w.view, capsule, radius, along);
+            ASSERT_EQ(bool(fast), bool(plain)) << seed << " " << i;
+            if (!fast) continue;
+            ++hits;
+            EXPECT_EQ(fast->time, plain->time) << seed << " " << i;
+        }
+    }
+    EXPECT_GT(hits, 300);
 }
 
 TEST(Queries, see_kilometres_and_around_bodies) {

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -62,6 +63,9 @@ SceneData make_small_world(int triangles = 20) {
     data.sky_panorama.assign(4 * 4 * 2, 0x3C00);
     data.environment.panorama_width = 4;
     data.environment.panorama_height = 2;
+    data.environment.atmosphere = {2.5f, 0.9f};
+    data.environment.weather = {0.25f, 0.5f, {3.0f, -4.0f}};
+    data.lamps.push_back({.position = {1.0, 4.0, -2.0}, .color = Vec3(1.0f, 0.5f, 0.25f), .lumens = 800.0f});
     return data;
 }
 
@@ -113,6 +117,9 @@ void expect_equal(const StaticScene& a, const StaticScene& b) {
     EXPECT_EQ(a.environment.to_sun, b.environment.to_sun);
     EXPECT_EQ(a.environment.ground_bounce, b.environment.ground_bounce);
     EXPECT_EQ(a.environment.fog_density_per_m, b.environment.fog_density_per_m);
+    EXPECT_EQ(a.environment.atmosphere, b.environment.atmosphere);
+    EXPECT_EQ(a.environment.weather, b.environment.weather);
+    EXPECT_TRUE(std::equal(a.lamps.begin(), a.lamps.end(), b.lamps.begin(), b.lamps.end()));
     // With padding, so by field.
     ASSERT_EQ(a.instances.size(), b.instances.size());
     for (std::size_t i = 0; i < a.instances.size(); ++i) {
@@ -286,6 +293,10 @@ TEST(WorldPack, is_not_written_where_the_cooker_broke_a_promise) {
            "instance_nodes[0]: lane 0");
     expect(message_for([](SceneData& d, WorldInfo&) { d.heights[5] = kNan; }), "heights[5]: ");
     expect(message_for([](SceneData& d, WorldInfo&) { d.environment.to_sun = Vec3(0); }), "environment[0]: ");
+    expect(message_for([](SceneData& d, WorldInfo&) { d.environment.atmosphere.turbidity = 0.5f; }),
+           "environment[0]: ");
+    expect(message_for([](SceneData& d, WorldInfo&) { d.environment.weather.snow = 2.0f; }), "environment[0]: ");
+    expect(message_for([](SceneData& d, WorldInfo&) { d.lamps[0].radius_m = 0.0f; }), "lamps[0]: ");
     expect(message_for([](SceneData& d, WorldInfo&) { d.sky_panorama.pop_back(); }), "sky_panorama[");
     expect(message_for([](SceneData&, WorldInfo& i) { i.dynamic_instances[0].mesh = 9; }), "dynamic_instances[0]: ");
     expect(message_for([](SceneData&, WorldInfo& i) { i.walks[1].fov_deg = 0; }), "walks[1]: fov_deg: 0");

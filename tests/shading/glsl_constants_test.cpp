@@ -34,6 +34,13 @@ TEST(shading_glsl, has_the_constants_of_the_fast_pass) {
     EXPECT_EQ(constant_named(text, "kSunDisc"), shading::kSunDisc);
     EXPECT_EQ(constant_named(text, "kSunDiscEdge"), shading::kSunDiscEdge);
     EXPECT_EQ(constant_named(text, "kSunDiscFull"), shading::kSunDiscFull);
+    EXPECT_EQ(constant_named(text, "kHazeSquare"), shading::kHazeSquare);
+    EXPECT_EQ(constant_named(text, "kHazeTwice"), shading::kHazeTwice);
+    EXPECT_EQ(constant_named(text, "kRayleighHeightM"), shading::kRayleighHeightM);
+    EXPECT_EQ(constant_named(text, "kMieHeightM"), shading::kMieHeightM);
+    EXPECT_EQ(constant_named(text, "kMaxAirHeights"), shading::kMaxAirHeights);
+    EXPECT_NE(text.find("const int kSkyRows = " + std::to_string(scene::SkyTable::kRows) + ";"), std::string::npos);
+    EXPECT_NE(text.find("sky_rows[" + std::to_string(4 * scene::SkyTable::kRows) + "]"), std::string::npos);
     EXPECT_EQ(constant_named(text, "kDielectric"), shading::kDielectric);
     EXPECT_EQ(constant_named(text, "kMinRoughness"), shading::kMinRoughness);
 }

@@ -111,6 +111,65 @@ TEST(shading, the_fast_pass_equals_the_scalar_reference_in_random_worlds) {
     EXPECT_LE(large, compared / 10000);
 }
 
+TEST(shading, an_atmosphere_is_shaded_as_the_reference_says) {
+    int compared = 0, large = 0;
+    scene::SkyTable table;
+    for (const float height : {0.9f, 0.3f, 0.0f, -0.2f}) {
+        scene::SceneData world = make_material_world(3);
+        world.environment.to_sun = Vec3(std::sqrt(1.0f - height * height), height, 0.0f);
+        world.environment.atmosphere.turbidity = 3.0f;
+        world.environment.fog_density_per_m = height > 0.5f ? 0.02f : 0.0f;  // else the world is too small for haze
+        shading::light_atmosphere(world.environment, table);
+        const scene::StaticScene scene = world.view();
+        Random random(3000 + std::uint32_t(10.0f * (height + 1.0f)));
+        for (int i = 0; i < 3; ++i) {
+            const PinholeView view = random_view(random, scene.bounds);
+            const VisibilityBuffer visibility = cast_view(scene, view);
+            for (const Image& image : images_of_all_targets([&] { return shade_view(scene, view, visibility); })) {
+                const Difference d = compare_with_reference(scene, view, visibility, image);
+                EXPECT_LE(d.large, 20) << "height " << height << " view " << i << ", max " << d.max;
+                compared += d.compared;
+                large += d.large;
+            }
+        }
+    }
+    EXPECT_GT(compared, 500000);
+    EXPECT_LE(large, compared / 10000);
+}
+
+TEST(shading, lamps_rain_and_snow_are_shaded_as_the_reference_says) {
+    int compared = 0, large = 0, changed = 0;
+    for (std::uint32_t seed = 0; seed < 6; ++seed) {
+        scene::SceneData world = make_material_world(seed);
+        world.environment.fog_density_per_m = 0.0f;
+        const scene::StaticScene scene = world.view();
+        Random random(4000 + seed);
+        const PinholeView view = random_view(random, scene.bounds);
+        const VisibilityBuffer visibility = cast_view(scene, view);
+        std::vector<shading::LampLight> lamps;
+        for (int i = 0; i < (seed % 3 == 0 ? 0 : 12); ++i)
+            lamps.push_back({.position = random.in_box(Vec3(scene.bounds.low - view.position),
+                                                       Vec3(scene.bounds.high - view.position)),
+                             .radius_m = float(random.in(1.0, 12.0)),
+                             .strength = random.in_box(Vec3(0.0f), Vec3(6.0f))});
+        const ShadeSettings settings{.lamps = lamps,
+                                     .wet = seed % 2 == 0 ? float(random.unit()) : 0.0f,
+                                     .snow_cover = seed % 3 == 1 ? 0.0f : float(random.unit())};
+        const Image dry = shade_view(scene, view, visibility);
+        for (const Image& image :
+             images_of_all_targets([&] { return shade_view(scene, view, visibility, settings); })) {
+            changed += largest_difference(image, dry) > 5;
+            const Difference d = compare_with_reference(scene, view, visibility, image, settings);
+            EXPECT_LE(d.large, 40) << "seed " << seed << ", max " << d.max;
+            compared += d.compared;
+            large += d.large;
+        }
+    }
+    EXPECT_GE(changed, 4) << "some views see nothing that faces up";
+    EXPECT_GT(compared, 300000);
+    EXPECT_LE(large, compared / 5000);
+}
+
 TEST(shading, any_share_of_the_sun_is_shaded_as_the_reference_says) {
     int compared = 0, large = 0;
     for (std::uint32_t seed = 0; seed < 6; ++seed) {
@@ -363,7 +422,7 @@ TEST(shading, degenerate_and_grazing_triangles_have_a_colour) {
 }
 
 TEST(shading, the_model_keeps_surfaces_that_face_away_from_the_sun_visible) {
-    const shading::ShadingUniforms uniforms = shading::make_uniforms({}, 0.001f);
+    const shading::ShadingUniforms uniforms = shading::make_uniforms({}, make_view({}, 64, 48));
     for (double y = -1.0; y <= 1.0; y += 0.1) {
         const Vec4 light =
             uniforms.ambient_side + float(y) * uniforms.ambient_slope + float(y * y) * uniforms.ambient_curve;

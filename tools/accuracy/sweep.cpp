@@ -140,7 +140,11 @@ Result<Sweep> sweep(const Bench& bench, int pairs) {
     }
     for (const frame::Knob& knob : frame::knobs()) {
         if (knob.needs_gl && !bench.scene.has_gl) continue;
-        if (knob.needs_sun && !bench.scene.world.scene().environment.sun_shadows) continue;
+        const scene::StaticScene& scene = bench.scene.world.scene();
+        if (knob.needs_sun && !scene.environment.sun_shadows) continue;
+        if (knob.needs_lamps && scene.lamps.empty()) continue;
+        const scene::Weather& weather = scene.environment.weather;
+        if (knob.needs_weather && !(weather.rain > 0.0f || weather.snow > 0.0f)) continue;
         std::vector<KnobSettings> settings;
         for (const frame::KnobValue& v : knob.values) settings.push_back({{std::string(knob.name), v.value}});
         KnobCurve curve{.knob = &knob};

@@ -103,6 +103,7 @@ Result<Assembly> assemble(WorldSource source, const AssembleSettings& settings, 
     out.environment = source.environment;
     out.environment.panorama = {};
     out.sky_panorama = std::move(source.sky_panorama);
+    out.lamps = source.lamps;
     FF_TRY(check_placements(source));
     const std::uint64_t repeated = drop_repeated_placements(source);
     const std::vector<bool> whole = find_whole_placements(source, settings);

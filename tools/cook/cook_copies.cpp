@@ -27,7 +27,7 @@ std::vector<std::pair<int, int>> nearest_squares(int count) {
 
 void copy_static_content(WorldSource& world, const DBox3& bounds, int count) {
     if (count <= 1 || bounds.is_empty()) return;
-    const std::size_t originals = world.placements.size();
+    const std::size_t originals = world.placements.size(), lamps = world.lamps.size();
     const DVec3 extent = bounds.extent();
     const double step_x = std::ceil(std::max(extent.x, 1.0) * 1.05), step_z = std::ceil(std::max(extent.z, 1.0) * 1.05);
     const auto squares = nearest_squares(count);
@@ -49,6 +49,11 @@ void copy_static_content(WorldSource& world, const DBox3& bounds, int count) {
                 placement.mesh = clone;
             }
             world.placements.push_back(placement);
+        }
+        for (std::size_t i = 0; i < lamps; ++i) {
+            scene::Lamp lamp = world.lamps[i];
+            lamp.position += offset;
+            world.lamps.push_back(lamp);
         }
     }
 }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/matrix.hpp>
 #include <map>
 #include <memory>
 
@@ -46,6 +47,7 @@ class SceneBuilder {
         add_places();
         ground_end_ = world_.placements.size();
         FF_TRY(add_scatters());
+        FF_TRY(add_lamps());
         if (scale_ > 1 && !scene_.town) copy_static_content(world_, static_bounds(), scale_);
         context_.end_stage("models");
         set_spawn();
@@ -371,6 +373,32 @@ class SceneBuilder {
                     }
             }
             scatter(models, rule, ground, obstacles_, world_);
+        }
+        return {};
+    }
+
+    Status add_lamps() {
+        for (const LampDescription& described : scene_.lamps) {
+            const DVec3 offset(described.offset_m[0], described.offset_m[1], described.offset_m[2]);
+            scene::Lamp lamp = described.lamp;
+            if (described.model.empty()) {
+                const std::vector<double>& p = described.position_m;
+                lamp.position = DVec3(p.front(), 0, p.back()) + offset;
+                lamp.position.y += p.size() == 3 ? p[1] : ground_now()(p.front(), p.back()).value_or(0.0);
+                world_.lamps.push_back(lamp);
+                continue;
+            }
+            FF_ASSIGN(const Model* loaded, model(described.model));
+            if (loaded->parts.empty()) continue;
+            // Where a model stands follows from where its first part does.
+            const ModelPart& part = loaded->parts.front();
+            const DMat3 mesh_from_model = glm::inverse(part.model_from_mesh);
+            for (const Placement& placement : world_.placements) {
+                if (placement.mesh != part.mesh) continue;
+                const DMat3 world_from_model = DMat3(placement.world_from_mesh) * mesh_from_model;
+                lamp.position = placement.position + world_from_model * (offset - part.position);
+                world_.lamps.push_back(lamp);
+            }
         }
         return {};
     }

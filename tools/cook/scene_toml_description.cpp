@@ -35,6 +35,7 @@ void read_sun_and_sky(TomlTable& root, TomlReport& report, SceneDescription& sce
         const double a = radians_of(azimuth), e = radians_of(elevation);
         scene.environment.to_sun = Vec3(std::cos(e) * std::sin(a), std::sin(e), -std::cos(e) * std::cos(a));
         scene.environment.sun_radiance = scene.environment.sun_radiance * float(strength);
+        scene.environment.atmosphere.brightness = float(strength);
     }
     if (const toml::table* table = root.table("sky")) {
         TomlTable sky(*table, "[sky]", report);
@@ -46,6 +47,14 @@ void read_sun_and_sky(TomlTable& root, TomlReport& report, SceneDescription& sce
         color("horizon", scene.environment.sky_horizon);
         scene.environment.fog_density_per_m = float(sky.number("fog_density_per_m", 0, 0, 1));
         scene.sky_panorama = sky.file("panorama");
+        if (sky.choice("model", 0, {"gradient", "atmosphere"}) == 1) {
+            for (const char* painted : {"zenith", "horizon", "panorama"})
+                if (sky.has(painted))
+                    sky.fail(painted, "stands beside model = \"atmosphere\"; expected one of the two");
+            scene.environment.atmosphere.turbidity = float(sky.number("turbidity", 2, 1, 10));
+        } else if (sky.has("turbidity")) {
+            sky.fail("turbidity", "stands without model = \"atmosphere\"; expected it beside that alone");
+        }
         sky.finish();
     }
 }
@@ -204,6 +213,35 @@ void read_scatter(const toml::table& source, TomlReport& report, SceneDescriptio
     scene.scatters.push_back(std::move(scatter));
 }
 
+void read_lamp(const toml::table& source, TomlReport& report, SceneDescription& scene) {
+    TomlTable table(source, "[[lamp]]", report);
+    LampDescription lamp;
+    lamp.model = table.file("model");
+    lamp.position_m = table.numbers("position_m", 2, 3, -kFar, kFar);
+    if (lamp.model.empty() == lamp.position_m.empty())
+        table.fail("position_m", "expected either it or model, a model whose every placement has such a lamp");
+    const std::vector<double> offset = table.numbers("offset_m", 3, 3, -1000, 1000);
+    if (!offset.empty()) lamp.offset_m = {offset[0], offset[1], offset[2]};
+    const std::vector<double> color = table.numbers("color", 3, 3, 0, 1);
+    if (!color.empty()) lamp.lamp.color = Vec3(color[0], color[1], color[2]);
+    lamp.lamp.lumens = float(table.number("lumens", lamp.lamp.lumens, 0, 1e6));
+    lamp.lamp.radius_m = float(table.number("radius_m", lamp.lamp.radius_m, 0.1, 1000));
+    lamp.lamp.on_below_sun_deg = float(table.number("on_below_sun_deg", lamp.lamp.on_below_sun_deg, -90, 90));
+    table.finish();
+    scene.lamps.push_back(std::move(lamp));
+}
+
+void read_weather(const toml::table& source, TomlReport& report, SceneDescription& scene) {
+    TomlTable table(source, "[weather]", report);
+    scene::Weather& weather = scene.environment.weather;
+    weather.rain = float(table.number("rain", 0, 0, 1));
+    weather.snow = float(table.number("snow", 0, 0, 1));
+    const double speed = table.number("wind_m_s", 0, 0, 60),
+                 from = radians_of(table.number("wind_from_deg", 270, -360, 360));
+    weather.wind_m_s = Vec2(-speed * std::sin(from), speed * std::cos(from));
+    table.finish();
+}
+
 void read_spawn_and_walks(TomlTable& root, TomlReport& report, SceneDescription& scene) {
     if (const toml::table* source = root.table("spawn")) {
         TomlTable table(*source, "[spawn]", report);
@@ -267,6 +305,8 @@ Result<SceneDescription> read_scene_description(const std::filesystem::path& pat
     for (const toml::table* source : root.tables("place")) read_place(*source, report, scene);
     check_names_of_places(root, scene);
     for (const toml::table* source : root.tables("scatter")) read_scatter(*source, report, scene);
+    for (const toml::table* source : root.tables("lamp")) read_lamp(*source, report, scene);
+    if (const toml::table* source = root.table("weather")) read_weather(*source, report, scene);
     read_spawn_and_walks(root, report, scene);
     root.finish();
     if (report.error) return *report.error;

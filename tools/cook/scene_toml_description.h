@@ -10,6 +10,7 @@
 
 #include "engine/core/result.h"
 #include "engine/scene/environment.h"
+#include "engine/scene/lamp.h"
 #include "tools/cook/buildings.h"
 #include "tools/cook/city.h"
 #include "tools/cook/ground_frame.h"
@@ -73,6 +74,13 @@ struct ScatterDescription {
     std::uint64_t seed = 1;
 };
 
+struct LampDescription {
+    std::filesystem::path model;     ///< every placement of it has one; empty: position_m says where
+    std::vector<double> position_m;  ///< [x, z]: offset_m above the ground; or [x, y, z]
+    std::array<double, 3> offset_m{0, 0, 0};
+    scene::Lamp lamp;
+};
+
 struct WalkDescription {
     std::string name;
     std::filesystem::path file;
@@ -90,6 +98,7 @@ struct SceneDescription {
     std::optional<TownDescription> town;
     std::vector<ModelDescription> models;
     std::vector<ScatterDescription> scatters;
+    std::vector<LampDescription> lamps;
     std::optional<std::array<double, 3>> spawn;  ///< x, z, yaw
     std::optional<double> spawn_y;
     std::vector<WalkDescription> walks;

@@ -69,6 +69,7 @@ struct WorldSource {
     std::vector<Placement> placements;
     scene::AnimationSet animation;  ///< parts and skins name `meshes`; skins have weights for their mesh's vertices
     scene::Environment environment;
+    std::vector<scene::Lamp> lamps;
     std::vector<std::uint16_t> sky_panorama;  ///< see Environment::panorama
     DVec3 spawn_position{0.0};
     double spawn_yaw_deg = 0.0;

@@ -3,9 +3,12 @@
 #include <cstdio>
 #include <cstdlib>
 
+#include "engine/core/heap_count.h"
 #include "engine/core/jobs.h"
 #include "engine/core/log.h"
+#include "engine/effects/registry.h"
 #include "tools/ff/commands.h"
+#include "tools/ff/heap_counter.h"
 #include "tools/ff/modes.h"
 
 namespace ff::tool {
@@ -101,6 +104,13 @@ void add_size_and_threads(CLI::App& app, ImageSize& size, int& threads) {
     app.add_option("--threads", threads, "Worker threads; 0: as many as the machine has")->check(CLI::Range(0, 1024));
 }
 
+std::string effect_names() {
+    std::string names;
+    for (const effects::Effect& effect : effects::registry())
+        names += (names.empty() ? "" : ", ") + std::string(effect.name);
+    return names;
+}
+
 /// What is drawn, how large and by how many threads.
 void add_scene_options(CLI::App& app, ViewOptions& view) {
     app.add_option("PACK", view.pack, "A .ffpack; or a scene.toml, .gltf or .glb, which is cooked into the cache first")
@@ -143,6 +153,43 @@ void add_view_options(CLI::App& app, ViewOptions& view, bool with_mode) {
         ->transform(CLI::CheckedTransformer(kOpacityKinds, CLI::ignore_case).description(""));
     app.add_option("--sun-shadows", settings.sun_shadows, "Sun shadows: scene (as its [sun] says), off or on")
         ->transform(CLI::CheckedTransformer(kSunShadows, CLI::ignore_case).description(""));
+    app.add_option_function<std::vector<std::string>>(
+           "--without",
+           [&settings](const std::vector<std::string>& names) {
+               for (const std::string& name : names)
+                   settings.without_effects |= effects::set_of(effects::find_effect(name)->id);
+           },
+           "Effects that are off, whatever calls for them: " + effect_names())
+        ->delimiter(',')
+        ->check([](const std::string& name) {
+            return effects::find_effect(name) != nullptr ? std::string()
+                                                         : "no effect '" + name + "'; there are " + effect_names();
+        });
+    app.add_option_function<std::vector<double>>(
+           "--sun",
+           [&settings](const std::vector<double>& angles) {
+               const double azimuth = radians_of(angles[0]), elevation = radians_of(angles[1]);
+               settings.to_sun = Vec3(std::cos(elevation) * std::sin(azimuth), std::sin(elevation),
+                                      -std::cos(elevation) * std::cos(azimuth));
+           },
+           "Azimuth and elevation of the sun in degrees, instead of the scene's: 215,12")
+        ->delimiter(',')
+        ->expected(2)
+        ->check(number_in(-360.0, 360.0));
+    const auto add_weather = [&](const char* name, float scene::Weather::*what, const char* about) {
+        app.add_option_function<double>(
+               name,
+               [&settings, what](double strength) {
+                   if (!settings.weather) settings.weather.emplace();
+                   (*settings.weather).*what = float(strength);
+               },
+               about)
+            ->check(number_in(0.0, 1.0));
+    };
+    add_weather("--rain", &scene::Weather::rain, "Rain instead of the scene's weather, 0 to 1");
+    add_weather("--snow", &scene::Weather::snow, "Snow instead of the scene's weather, 0 to 1");
+    app.add_option("--lamps-within-m", settings.lamps_within_m, "Lamps farther away light nothing; 0: none does")
+        ->check(number_in(0.0, 1e5));
     app.add_flag("--no-sun-reuse{false}", settings.reuse_sun,
                  "Cast a ray towards the sun from every pixel in every frame");
     app.add_option("--sun-refresh", settings.sun_refresh_frames,
@@ -164,6 +211,7 @@ void add_view_options(CLI::App& app, ViewOptions& view, bool with_mode) {
 }  // namespace
 
 int run(int argc, const char* const* argv) {
+    set_heap_counter(heap_allocations);
     CLI::App app{"Farfield: cook a world, walk through it, draw to the horizon."};
     app.name("ff");
     app.require_subcommand(1);
@@ -218,6 +266,19 @@ int run(int argc, const char* const* argv) {
     bench_app->add_option("--laps", bench.laps, "Laps of each mode")->check(CLI::Range(1, 1000))->capture_default_str();
     bench_app->add_option("--frames", bench.max_frames, "Only the first N frames of the walk; 0: all")
         ->check(CLI::Range(0, 1000000));
+
+    StatsOptions stats;
+    auto* stats_app = app.add_subcommand("stats", "Say which effects a walk calls for, why, and what they cost");
+    add_view_options(*stats_app, stats.view, true);
+    stats_app->add_option("--frames", stats.max_frames, "Only the first N frames of the walk; 0: all")
+        ->check(CLI::Range(0, 1000000));
+    stats_app
+        ->add_option("--compare", stats.compare_laps,
+                     "Laps in which frames are drawn with and without each effect that is called for; 0: none")
+        ->check(CLI::Range(0, 1000));
+    stats_app->add_option("--pictures", stats.pictures,
+                          "Folder for the picture that each effect changes most, with and without it");
+    stats_app->add_flag("--json", stats.json, "Print one JSON object on stdout");
 
     HardcasesOptions hardcases;
     auto* hardcases_app = app.add_subcommand("hardcases", "Run the hard cases against their oracles and print a table");
@@ -287,6 +348,7 @@ int run(int argc, const char* const* argv) {
     if (*bench_app) status = with_workers(bench.view.threads, [&] { return run_bench(bench); });
     if (*play_app) status = run_play(play);
     if (*replay_app) status = with_workers(replay.threads, [&] { return run_replay(replay); });
+    if (*stats_app) status = with_workers(stats.view.threads, [&] { return run_stats(stats); });
     if (*hardcases_app) status = run_hardcases(hardcases);
     if (*accuracy_app) status = with_workers(accuracy.view.threads, [&] { return run_accuracy(accuracy); });
     if (status) return 0;

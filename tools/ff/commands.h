@@ -72,6 +72,15 @@ struct BenchOptions {
 };
 Status run_bench(const BenchOptions& options);
 
+struct StatsOptions {
+    ViewOptions view;
+    int max_frames = 0;    ///< 0: the whole walk
+    int compare_laps = 0;  ///< laps in which each effect's frames are drawn with and without it; 0: not compared
+    std::filesystem::path pictures;  ///< folder for pictures with and without each effect; empty: none
+    bool json = false;
+};
+Status run_stats(const StatsOptions& options);
+
 struct HardcasesOptions {
     std::string name;             ///< of a case, or of a group of them: what stands before the dot; empty: all
     std::uint64_t instances = 0;  ///< of each case; 0: those of a full run

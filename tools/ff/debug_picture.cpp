@@ -150,6 +150,11 @@ void fill_overlay(const frame::Renderer& renderer, debug::OverlayData& data) {
     data.rows.push_back({"near triangles", fmt::format("{}", stats.near_triangles)});
     data.rows.push_back(
         {"parallax p99, max", fmt::format("{:.2f}, {:.2f} px", stats.parallax_p99_px, stats.parallax_max_px)});
+    for (const effects::Effect& effect : effects::registry()) {
+        const auto& [state, reason] = stats.effects[effect.id];
+        data.rows.push_back(
+            {std::string(effect.name), fmt::format("{}: {}", effects::kStateNames[std::size_t(state)], reason)});
+    }
 }
 
 }  // namespace ff::tool

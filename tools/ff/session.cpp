@@ -138,6 +138,12 @@ std::span<const scene::Instance> Session::dynamic(std::size_t frame, const Image
     return moving_->at(double(frame) / walk_.rate_hz, walk_.camera(frame), size);
 }
 
+frame::FrameSettings Session::settings_at(std::size_t frame) const {
+    frame::FrameSettings settings = settings_;
+    settings.time_s = double(frame) / walk_.rate_hz;
+    return settings;
+}
+
 nearfield::NearRenderer* Session::near_renderer() {
     return gl_ ? gl_->renderer() : nullptr;
 }

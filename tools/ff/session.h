@@ -50,6 +50,8 @@ class Session {
     [[nodiscard]] const scene::Walk& walk() const { return walk_; }
     /// What the options ask for, see chosen_settings.
     [[nodiscard]] const frame::FrameSettings& settings() const { return settings_; }
+    /// The same at the time of a frame of the walk.
+    [[nodiscard]] frame::FrameSettings settings_at(std::size_t frame) const;
     /// What moves, at a frame of the walk: its time is the frame's number over the walk's rate. Good until the next
     /// call.
     [[nodiscard]] std::span<const scene::Instance> dynamic(std::size_t frame, const ImageSize& size);

@@ -3,12 +3,18 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "engine/effects/registry.h"
+
 namespace ff::tool {
 
 nlohmann::json to_json(const frame::FrameStats& stats) {
     nlohmann::json passes;
     for (std::size_t p = 0; p < frame::kPassCount; ++p) passes[std::string(frame::kPassNames[p])] = stats.pass_ms[p];
+    nlohmann::json effects;
+    for (const effects::Effect& effect : effects::registry())
+        effects[std::string(effect.name)] = effects::kStateNames[std::size_t(stats.effects[effect.id].state)];
     return {{"frame_ms", stats.frame_ms},
+            {"effects", effects},
             {"pass_ms", passes},
             {"pixels",
              {{"near", stats.pixels.near_field},

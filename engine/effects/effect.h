@@ -1,0 +1,51 @@
+#pragma once
+// What a frame knows of an effect: whether it runs, why, and what it costs. Plain data; the table of all effects is
+// registry.h.
+
+#include <array>
+#include <cstdint>
+#include <string_view>
+
+namespace ff::effects {
+
+enum class EffectId : std::uint8_t { atmosphere, fog, lamps, rain, snow, sun_shadows, transparency };
+inline constexpr std::size_t kEffectCount = 7;
+
+enum class State : std::uint8_t {
+    off,     ///< nothing calls for it: no memory, no shader, no system, no ray, no time
+    idle,    ///< called for, but not seen or not near: it keeps what it has and takes no time
+    active,  ///< part of this frame
+};
+inline constexpr std::array<std::string_view, 3> kStateNames{"off", "idle", "active"};
+
+/// A frame's decision about one effect. Compared, printed and recorded with the plan.
+struct Decision {
+    State state = State::off;
+    std::string_view reason;  ///< a phrase of static storage
+
+    friend bool operator==(const Decision&, const Decision&) = default;
+};
+
+/// The decisions about all effects, by id.
+struct Decisions {
+    std::array<Decision, kEffectCount> of{};
+
+    [[nodiscard]] Decision& operator[](EffectId id) { return of[std::size_t(id)]; }
+    [[nodiscard]] const Decision& operator[](EffectId id) const { return of[std::size_t(id)]; }
+    [[nodiscard]] bool is_active(EffectId id) const { return (*this)[id].state == State::active; }
+};
+
+/// What an effect did in a frame.
+struct Work {
+    double ms = 0.0;                ///< of passes that are its own; what it adds to shared ones is found by comparing
+    std::uint64_t allocations = 0;  ///< on the heap, where somebody counts them (core/heap_count.h)
+    std::uint64_t rays = 0;
+};
+
+/// Effects by id, a bit each.
+using EffectSet = std::uint32_t;
+[[nodiscard]] constexpr EffectSet set_of(EffectId id) {
+    return 1u << unsigned(id);
+}
+
+}  // namespace ff::effects

@@ -1,0 +1,54 @@
+#include "engine/effects/registry.h"
+
+#include <algorithm>
+#include <array>
+
+namespace ff::effects {
+namespace {
+
+constexpr std::array<Effect, kEffectCount> kEffects{{
+    {EffectId::atmosphere, "atmosphere", "[sky] model = \"atmosphere\"",
+     "a table of the sky for each position of the sun, three exponentials a shaded pixel", "AIR", decide_atmosphere},
+    {EffectId::fog, "fog", "[sky] fog_density_per_m", "an exponential a shaded pixel", "FOG", decide_fog},
+    {EffectId::lamps, "lamps", "[[lamp]], once the sun is low and one is near",
+     "a grid over the lamps, light by pixel in tiles within their reach", "", decide_lamps},
+    {EffectId::rain, "rain", "[weather] rain",
+     "wet ground by pixel, streaks, a ray for each new square metre of shelter", "", decide_rain},
+    {EffectId::snow, "snow", "[weather] snow",
+     "snow on the ground by pixel, flakes, a ray for each new square metre of shelter", "", decide_snow},
+    {EffectId::sun_shadows, "sun_shadows", "[sun] shadows, while the sun is up",
+     "a hierarchy of sun boxes, a byte a pixel, rays towards the sun", "", decide_sun_shadows},
+    {EffectId::transparency, "transparency", "blended materials near the viewer",
+     "two buffers of the image's size, a search for layers", "BLEND", decide_transparency},
+}};
+
+constexpr bool is_in_order() {
+    for (std::size_t i = 0; i < kEffects.size(); ++i)
+        if (std::size_t(kEffects[i].id) != i) return false;
+    return true;
+}
+static_assert(is_in_order());
+
+}  // namespace
+
+std::span<const Effect> registry() {
+    return kEffects;
+}
+
+const Effect* find_effect(std::string_view name) {
+    const auto at = std::find_if(kEffects.begin(), kEffects.end(), [&](const Effect& e) { return e.name == name; });
+    return at == kEffects.end() ? nullptr : &*at;
+}
+
+Decisions decide_effects(const Conditions& conditions) {
+    Decisions decisions;
+    for (const Effect& effect : kEffects) {
+        Decision& decision = decisions[effect.id];
+        decision = effect.decide(conditions);
+        if (decision.state != State::off && (conditions.without & set_of(effect.id)) != 0)
+            decision = {State::off, "switched off"};
+    }
+    return decisions;
+}
+
+}  // namespace ff::effects

@@ -1,0 +1,31 @@
+#include "engine/frame/shade_settings.h"
+
+#include <algorithm>
+
+#include "engine/frame/timed_pass.h"
+
+namespace ff::frame {
+namespace {
+
+/// Weak rain wets all the ground, and so does weak snow whiten it: they have fallen for a while.
+constexpr float kWetPerRain = 3.0f;
+constexpr float kCoverPerSnow = 2.0f;
+
+}  // namespace
+
+shading::ShadeSettings shade_settings(const FramePlan& plan, const Tools& tools, const PinholeView& view,
+                                      const std::uint8_t* sun_seen, FrameHistory& history, FrameStats& stats) {
+    history.lamps.clear();
+    if (plan.lamps_within_m > 0.0f) {
+        const TimedEffect timed(stats, effects::EffectId::lamps);
+        tools.facts.lamps->find_lit(view, plan.sun_elevation_deg, plan.lamps_within_m, history.lamps);
+    }
+    const scene::Weather& weather = plan.environment.weather;
+    return {.prelit_beyond_m = plan.prelit_beyond_m,
+            .sun_seen = sun_seen,
+            .lamps = history.lamps,
+            .wet = std::min(1.0f, kWetPerRain * weather.rain),
+            .snow_cover = std::min(1.0f, kCoverPerSnow * weather.snow)};
+}
+
+}  // namespace ff::frame

@@ -1,0 +1,43 @@
+#pragma once
+// What the effects of a scene do along a walk, and what each adds to its frames.
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "engine/effects/registry.h"
+#include "engine/shading/shading_pass.h"
+#include "tools/ff/session.h"
+
+namespace ff::tool {
+
+/// One effect over the frames of a walk.
+struct EffectSum {
+    effects::Decision decision;                ///< the most active one, the first of its kind
+    std::array<std::uint64_t, 3> frames_in{};  ///< by effects::State
+    effects::Work work;                        ///< of all frames
+    std::uint64_t steady_allocations = 0;      ///< of frames after the first few in which it was active
+};
+struct EffectWalk {
+    std::uint64_t frames = 0;
+    std::array<EffectSum, effects::kEffectCount> of;
+};
+
+/// Draws the first frames of the session's walk, each once.
+[[nodiscard]] EffectWalk walk_effects(Session& session, const ImageSize& size, std::size_t frames);
+
+/// What an effect changes.
+struct EffectDifference {
+    effects::EffectId id;
+    double ms_with = 0.0, ms_without = 0.0;  ///< medians over the frames of their minima over the laps
+    double ms_added = 0.0;                   ///< the median frame's difference
+    double psnr_db = 99.0;                   ///< of the frame that it changes most; 99: none changes
+    std::size_t frame = 0;                   ///< that frame
+    shading::Image with, without;            ///< its pictures
+};
+
+/// Draws the same frames with everything and without each effect that is not off, one after the other, `laps` times.
+[[nodiscard]] std::vector<EffectDifference> compare_effects(Session& session, const ImageSize& size, std::size_t frames,
+                                                            int laps, const EffectWalk& walk);
+
+}  // namespace ff::tool
