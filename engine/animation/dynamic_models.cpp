@@ -123,6 +123,7 @@ struct DynamicModels::Impl {
         requests.resize(skins.size());
     }
 
+    void fit(std::size_t state_count);
     void find_candidates(std::span<const ModelState> states, const PinholeView& view, const SeenBounds& seen_bounds,
                          const PoseSettings& settings);
     void sample(Candidate& candidate, const SeenBounds& seen_bounds) const;
@@ -183,6 +184,36 @@ PoseKey key_of(const Animator& animator, const AnimatedModel& model) {
 
 }  // namespace
 
+/// Room for all of so many models to matter at once, whichever they are: later frames then allocate nothing.
+void DynamicModels::Impl::fit(std::size_t state_count) {
+    if (state_count <= candidates.size()) return;
+    std::size_t most_joints = 0, most_matrices = 0, most_parts = 0, most_skins = 0;
+    for (std::size_t i = 0; i < models.size(); ++i) {
+        most_joints = std::max<std::size_t>(most_joints, set.models[i].skeleton.size());
+        most_matrices = std::max<std::size_t>(most_matrices, models[i].matrix_count);
+        most_parts = std::max(most_parts, set.models[i].parts.size());
+        most_skins = std::max(most_skins, set.models[i].skins.size());
+    }
+    candidates.resize(state_count);
+    for (Candidate& c : candidates) {
+        for (Pose* pose : {&c.pose, &c.fading, &c.layer}) {
+            pose->translations.reserve(most_joints);
+            pose->rotations.reserve(most_joints);
+            pose->scales.reserve(most_joints);
+        }
+        c.joints.reserve(most_joints);
+        c.matrices.reserve(most_matrices);
+        c.parts.reserve(most_parts);
+        c.skin_matters.reserve(most_skins);
+        c.skin_bounds.reserve(most_skins);
+    }
+    for (auto& list : requests) list.reserve(state_count);
+    seen.reserve(state_count * most_skins);
+    mesh_of_seen.reserve(state_count * most_skins);
+    tasks.reserve(skins.size() * scene::kMostPoses);
+    instances.reserve(state_count * (most_parts + most_skins));
+}
+
 void DynamicModels::Impl::find_candidates(std::span<const ModelState> states, const PinholeView& view,
                                           const SeenBounds& seen_bounds, const PoseSettings& settings) {
     candidate_count = 0;
@@ -191,7 +222,6 @@ void DynamicModels::Impl::find_candidates(std::span<const ModelState> states, co
         const ModelTables& model = models[state.animator.model];
         const double reach_m = double(model.reach_m) * greatest_scale(state.world_from_model);
         if (!seen_bounds.may_matter({state.position - reach_m, state.position + reach_m})) continue;
-        if (candidate_count == candidates.size()) candidates.emplace_back();
         Candidate& candidate = candidates[candidate_count++];
         candidate.state = &state;
         candidate.distance_m = glm::length(state.position - view.position);
@@ -322,6 +352,7 @@ std::span<const Instance> DynamicModels::pose(std::span<const ModelState> states
                                               const PoseSettings& settings) {
     Impl& m = *impl_;
     m.stats = {.models = std::uint32_t(states.size())};
+    m.fit(states.size());
     const SeenBounds seen_bounds(m.scene, view);
     m.find_candidates(states, view, seen_bounds, settings);
     m.stats.sampled = std::uint32_t(m.candidate_count);
