@@ -9,6 +9,7 @@
 #include "engine/scene/load_world.h"
 #include "game/beacons/beacons_game.h"
 #include "tools/ff/session.h"
+#include "tools/picture/picture_file.h"
 
 namespace ff::tool {
 namespace {
@@ -55,12 +56,16 @@ Status play_by_itself(const PlayOptions& options, const std::filesystem::path& p
 Status run_play(const PlayOptions& options) {
     FF_ASSIGN(const std::filesystem::path pack, pack_of(options.pack));
     if (options.player != AutoPlayerKind::none) return play_by_itself(options, pack);
-    return host::play(beacons::game_info(), {.pack = pack,
-                                             .folder = options.folder,
-                                             .seed = options.seed,
-                                             .budget_ms = options.budget_ms,
-                                             .record = options.record,
-                                             .skip_title = options.skip_title});
+    return host::play(beacons::game_info(),
+                      {.pack = pack,
+                       .folder = options.folder,
+                       .seed = options.seed,
+                       .budget_ms = options.budget_ms,
+                       .record = options.record,
+                       .skip_title = options.skip_title,
+                       .write_picture = [](const std::filesystem::path& path, const shading::Image& image) {
+                           return write_image(path, image);
+                       }});
 }
 
 }  // namespace ff::tool
