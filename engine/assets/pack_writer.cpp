@@ -1,14 +1,10 @@
 #include "engine/assets/pack_writer.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/types.h>
-#include <unistd.h>
 #include <zstd.h>
 
 #include <algorithm>
 #include <bit>
-#include <cerrno>
 #include <cstring>
 #include <limits>
 #include <string>
@@ -20,6 +16,7 @@
 #include "engine/core/check.h"
 #include "engine/core/hash.h"
 #include "engine/core/jobs.h"
+#include "engine/core/whole_file.h"
 
 namespace ff::assets {
 namespace {
@@ -46,27 +43,17 @@ struct WrittenChunk {
 
 struct PackWriter::State {
     std::filesystem::path path;
-    std::filesystem::path part;
     Compression compression = Compression::zstd;
-    int fd = -1;
+    WholeFile file;
     std::uint64_t position = 0;
     std::uint64_t raw_bytes = 0;
     std::vector<WrittenChunk> chunks;
 
-    ~State() {
-        if (fd < 0) return;
-        ::close(fd);
-        ::unlink(part.c_str());
-    }
+    State(const std::filesystem::path& pack, WholeFile whole_file) : path(pack), file(std::move(whole_file)) {}
 
     Status write(std::span<const std::byte> bytes) {
-        while (!bytes.empty()) {
-            const ssize_t written = ::write(fd, bytes.data(), bytes.size());
-            if (written < 0 && errno == EINTR) continue;
-            if (written < 0) return failure(fmt::format("{}: cannot write: {}", part.string(), std::strerror(errno)));
-            bytes = bytes.subspan(static_cast<std::size_t>(written));
-            position += static_cast<std::uint64_t>(written);
-        }
+        FF_TRY(file.write(bytes));
+        position += bytes.size();
         return {};
     }
 
@@ -82,12 +69,9 @@ PackWriter& PackWriter::operator=(PackWriter&&) noexcept = default;
 PackWriter::~PackWriter() = default;
 
 Result<PackWriter> PackWriter::create(const std::filesystem::path& path, Compression compression) {
-    auto state = std::make_unique<State>();
-    state->path = path;
-    state->part = fmt::format("{}.part{}", path.string(), ::getpid());
+    FF_ASSIGN(WholeFile file, WholeFile::create(path));
+    auto state = std::make_unique<State>(path, std::move(file));
     state->compression = compression;
-    state->fd = ::open(state->part.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
-    if (state->fd < 0) return failure(fmt::format("{}: cannot create: {}", state->part.string(), std::strerror(errno)));
     const PackHeader empty{};  // until finish() the file is no pack
     FF_TRY(state->write(std::as_bytes(std::span(&empty, 1))));
     return PackWriter(std::move(state));
@@ -170,13 +154,8 @@ Result<std::uint64_t> PackWriter::finish() {
     const auto header_bytes = std::as_bytes(std::span(&header, 1));
     header.header_hash = hash_bytes(header_bytes.first(offsetof(PackHeader, header_hash)));
     FF_TRY(state.write(table));
-    if (::pwrite(state.fd, &header, sizeof header, 0) != static_cast<ssize_t>(sizeof header) || ::fsync(state.fd) != 0)
-        return failure(fmt::format("{}: cannot write: {}", state.part.string(), std::strerror(errno)));
-    if (::rename(state.part.c_str(), state.path.c_str()) != 0)
-        return failure(
-            fmt::format("{}: cannot rename to {}: {}", state.part.string(), state.path.string(), std::strerror(errno)));
-    ::close(state.fd);
-    state.fd = -1;
+    FF_TRY(state.file.write_at(0, header_bytes));
+    FF_TRY(state.file.commit());
     return state.position;
 }
 

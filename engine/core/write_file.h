@@ -6,15 +6,11 @@
 #include <string_view>
 
 #include "engine/core/result.h"
+#include "engine/core/whole_file.h"
 
 namespace ff {
 
-enum class Flush : unsigned char {
-    to_disk,  ///< fsync: the file is there after the machine lost its power
-    none,     ///< for what is checked when it is read and can be made again
-};
-
-/// Writes a file whole or not at all: into a neighbour, fsync, rename. What stood there before stays until the rename.
+/// Writes a file whole or not at all; what stood there before stays until then.
 Status write_file_whole(const std::filesystem::path& path, std::span<const std::byte> bytes,
                         Flush flush = Flush::to_disk);
 Status write_file_whole(const std::filesystem::path& path, std::string_view text);

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/gl/shader_sources.h"
+#include "engine/gl/shader_folder.h"
 
 namespace ff::gl {
 
@@ -112,8 +112,13 @@ Result<Program> Program::compile(Stage vertex, Stage fragment, std::string_view 
 
 Result<Program> Program::make(std::string_view vertex, std::string_view fragment, std::string_view defines,
                               std::string_view geometry) {
-    return compile({vertex, shader_source(vertex)}, {fragment, shader_source(fragment)}, defines,
-                   {geometry, geometry.empty() ? std::string_view() : shader_source(geometry)});
+    FF_ASSIGN(const std::string vertex_text, shader_text(vertex));
+    FF_ASSIGN(const std::string fragment_text, shader_text(fragment));
+    std::string geometry_text;
+    if (!geometry.empty()) {
+        FF_ASSIGN(geometry_text, shader_text(geometry));
+    }
+    return compile({vertex, vertex_text}, {fragment, fragment_text}, defines, {geometry, geometry_text});
 }
 
 }  // namespace ff::gl

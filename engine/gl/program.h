@@ -15,7 +15,7 @@ void delete_program(GLuint id);
 class Program {
   public:
     Program() = default;
-    /// Compiles and links embedded shaders.
+    /// Compiles and links shaders by their names: embedded, or of use_shader_folder().
     /// @param vertex, fragment  names in engine/shaders
     /// @param geometry          likewise; empty: none
     /// @param defines           lines put after #version, e.g. "#define ALPHA_MASK\n"

@@ -23,14 +23,15 @@ namespace {
 using platform::Key;
 
 constexpr double kMouseRadiansPx = 0.0022;
+constexpr double kSaidSeconds = 8.0;
 
 /// One run of the program: what lives as long as the window.
 class Player {
   public:
-    Player(const GameInfo& info, const PlayOptions& options, scene::World& world)
+    Player(const GameInfo& info, const PlayOptions& options, std::unique_ptr<scene::World> world)
         : info_(info),
           options_(options),
-          world_(world),
+          world_(std::move(world)),
           folder_(options.folder.empty() ? player_folder(info.name) : options.folder),
           controls_(info.actions, {}) {}
 
@@ -44,9 +45,18 @@ class Player {
 
     enum class Purpose : std::uint8_t { play, show_behind_title };
     Status begin_session(Purpose purpose, const loop::SavedGame* saved = nullptr);
+    /// The first frame of a place builds what later ones reuse, however long that takes: it belongs to the loading.
+    Status draw_before_play();
+    [[nodiscard]] SessionSettings session_settings(Purpose purpose) const;
     void end_session();
     void save();
     Status load();
+
+    /// Takes up what changed; what cannot be taken leaves all as it was and says why.
+    void take(const Change& change);
+    Status take_world(const std::filesystem::path& pack);
+    Status make_shaders_anew();
+    void say(std::string text);
 
     void open(Menu menu);
     void take_picture();
@@ -58,7 +68,7 @@ class Player {
 
     const GameInfo& info_;
     const PlayOptions& options_;
-    scene::World& world_;
+    std::unique_ptr<scene::World> world_;
     std::filesystem::path folder_;
     PlayerSettings settings_;
     loop::Controls controls_;
@@ -75,6 +85,8 @@ class Player {
     Menu menu_ = Menu::title, menu_before_settings_ = Menu::title;
     MenuText menu_text_;
     bool show_rows_ = false, quits_ = false, pad_start_before_ = false;
+    std::string said_;  ///< over the picture for a while
+    Stopwatch said_since_;
     std::vector<std::pair<std::string, std::string>> rows_;
     FrameLog frame_log_;
 };
@@ -104,6 +116,23 @@ void Player::store_settings() {
 
 Status Player::begin_session(Purpose purpose, const loop::SavedGame* saved) {
     end_session();
+    SessionSettings settings = session_settings(purpose);
+    if (saved != nullptr) {
+        settings.start = saved->state;
+        settings.start_version = saved->version;
+    }
+    FF_ASSIGN(session_, Session::begin(info_, *world_, settings));
+    controls_.look_at(session_->game().yaw(), session_->game().pitch());
+    return draw_before_play();
+}
+
+Status Player::draw_before_play() {
+    drawer_->reset();
+    session_->show(controls_, view_);
+    return drawer_->draw(view_, settings_.width, settings_.height, {}, image_);
+}
+
+SessionSettings Player::session_settings(Purpose purpose) const {
     SessionSettings settings{.seed = options_.seed,
                              .pack_name = std::filesystem::absolute(options_.pack).string(),
                              .player_settings = to_text(settings_),
@@ -112,14 +141,7 @@ Status Player::begin_session(Purpose purpose, const loop::SavedGame* saved) {
                              .start_version = 0};
     if (options_.record && purpose == Purpose::play)
         settings.recording = new_recording_path(folder_ / "recordings", info_);
-    if (saved != nullptr) {
-        settings.start = saved->state;
-        settings.start_version = saved->version;
-    }
-    FF_ASSIGN(session_, Session::begin(info_, world_, settings));
-    controls_.look_at(session_->game().yaw(), session_->game().pitch());
-    if (drawer_) drawer_->reset();
-    return {};
+    return settings;
 }
 
 void Player::end_session() {
@@ -204,6 +226,57 @@ Status Player::act(Choice choice) {
     return {};
 }
 
+void Player::say(std::string text) {
+    log_info("{}", text);
+    said_ = std::move(text);
+    said_since_.restart();
+}
+
+void Player::take(const Change& change) {
+    if (!change.error.empty()) say(change.error);
+    if (change.shaders) {
+        const Status status = make_shaders_anew();
+        say(status ? "shaders compiled anew" : status.error().message);
+    }
+    if (change.pack.empty()) return;
+    if (const Status status = take_world(change.pack); !status) say(status.error().message);
+}
+
+Status Player::make_shaders_anew() {
+    FF_ASSIGN(nearfield::NearRenderer renderer, nearfield::NearRenderer::make(world_->scene()));
+    drawer_.reset();  // borrows the renderer
+    near_renderer_.emplace(std::move(renderer));
+    drawer_.emplace(*world_, &*near_renderer_);
+    return {};
+}
+
+Status Player::take_world(const std::filesystem::path& pack) {
+    FF_ASSIGN(std::unique_ptr<scene::World> world, scene::load_world(pack));
+    FF_ASSIGN(nearfield::NearRenderer renderer, nearfield::NearRenderer::make(world->scene()));
+    const Purpose purpose = menu_ == Menu::title ? Purpose::show_behind_title : Purpose::play;
+    SessionSettings settings = session_settings(purpose);
+    settings.start = session_->game().save();
+    settings.start_version = info_.save_version;
+    std::string said = "the world was changed";
+    auto session = Session::begin(info_, *world, settings);
+    if (!session) {
+        said += "; its things too, so it begins anew: " + session.error().message;
+        settings.start.clear();
+        session = Session::begin(info_, *world, settings);
+    }
+    if (!session) return session.error();
+    end_session();
+    drawer_.reset();
+    near_renderer_.reset();
+    world_ = std::move(world);
+    near_renderer_.emplace(std::move(renderer));
+    drawer_.emplace(*world_, &*near_renderer_);
+    session_ = std::move(*session);
+    if (settings.start.empty()) controls_.look_at(session_->game().yaw(), session_->game().pitch());
+    say(std::move(said));
+    return draw_before_play();
+}
+
 void Player::take_picture() {
     const std::filesystem::path folder = folder_ / "pictures";
     std::filesystem::path path;
@@ -252,6 +325,8 @@ Status Player::frame(double dt) {
     FF_TRY(draw());
     if (plays && session_->game().stage() != Stage::playing) open(Menu::end);
     if (menu_ == Menu::title) view_.hud.clear();
+    if (!said_.empty() && said_since_.seconds() > kSaidSeconds) said_.clear();
+    if (!said_.empty()) view_.hud.push_back({.at = {0.5f, 0.97f}, .size = 0.025f, .text = said_.substr(0, 160)});
     const Choice choice = screen_->draw(view_.hud, menu_, menu_text_, input_, settings_, rows_);
     window_->swap();
     FF_TRY(act(choice));
@@ -275,11 +350,11 @@ Status Player::run() {
                                                                .height = settings_.height,
                                                                .fullscreen = settings_.fullscreen}));
     window_.emplace(std::move(window));
-    FF_ASSIGN(nearfield::NearRenderer near_renderer, nearfield::NearRenderer::make(world_.scene()));
+    FF_ASSIGN(nearfield::NearRenderer near_renderer, nearfield::NearRenderer::make(world_->scene()));
     near_renderer_.emplace(std::move(near_renderer));
     FF_ASSIGN(Screen screen, Screen::make(*window_));
     screen_.emplace(std::move(screen));
-    drawer_.emplace(world_, &*near_renderer_);
+    drawer_.emplace(*world_, &*near_renderer_);
     FF_TRY(begin_session(options_.skip_title ? Purpose::play : Purpose::show_behind_title));
     open(options_.skip_title ? Menu::none : Menu::title);
     Stopwatch clock;
@@ -291,6 +366,8 @@ Status Player::run() {
         if (size.width < 16 || size.height < 16) continue;  // minimised
         if (played) frame_log_.add(1e3 * dt, drawer_->renderer().plan().view.width, settings_.width);
         played = menu_ == Menu::none;
+        if (options_.changes)
+            if (const auto change = options_.changes()) take(*change);
         FF_TRY(frame(dt));
     }
     end_session();
@@ -301,8 +378,8 @@ Status Player::run() {
 }  // namespace
 
 Status play(const GameInfo& info, const PlayOptions& options) {
-    FF_ASSIGN(const std::unique_ptr<scene::World> world, scene::load_world(options.pack));
-    Player player(info, options, *world);
+    FF_ASSIGN(std::unique_ptr<scene::World> world, scene::load_world(options.pack));
+    Player player(info, options, std::move(world));
     return player.run();
 }
 

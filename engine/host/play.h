@@ -10,13 +10,22 @@
 
 namespace ff::host {
 
+/// What became of a source that changed while the game runs.
+struct Change {
+    std::filesystem::path pack;  ///< the world as it is now; empty: as before
+    bool shaders = false;        ///< these changed
+    std::string error;           ///< why there is no new world: all goes on with the old one
+};
+
 struct PlayOptions {
-    std::filesystem::path pack;    ///< the world
+    std::filesystem::path pack;    ///< the world; stands for its source where that is watched
     std::filesystem::path folder;  ///< settings, saves, recordings; empty: player_folder() of the game
     std::uint64_t seed = 1;
     std::optional<double> budget_ms;  ///< instead of the player's
     bool record = true;               ///< every session, into FOLDER/recordings
     bool skip_title = false;          ///< begins at once
+    /// Asked before each frame; null: nothing changes.
+    std::function<std::optional<Change>()> changes;
     /// Writes a picture that the player takes; null: there is no key for it.
     std::function<Status(const std::filesystem::path&, const shading::Image&)> write_picture;
 };

@@ -65,25 +65,30 @@ Result<SavedGame> read_save(const std::filesystem::path& path, const std::string
     if (!std::filesystem::exists(path, ignored))
         return bad_input(fmt::format("{}: there is no such saved game", path.string()));
     FF_ASSIGN(const std::vector<std::byte> bytes, read_bytes(path));
+    return parse_save(bytes, path.string(), game, newest);
+}
+
+Result<SavedGame> parse_save(std::span<const std::byte> bytes, const std::string& name, const std::string& game,
+                             std::uint32_t newest) {
     if (bytes.size() < kLeastBytes || std::memcmp(bytes.data(), kMagic.data(), kMagic.size()) != 0)
-        return bad_input(fmt::format("{}: not a saved game, or cut: {} bytes", path.string(), bytes.size()));
-    const std::span<const std::byte> content = std::span(bytes).first(bytes.size() - 8);
-    if (ByteReader(std::span(bytes).last(8)).fixed(8) != hash_bytes(content))
-        return bad_input(fmt::format("{}: damaged: its checksum differs from its contents", path.string()));
+        return bad_input(fmt::format("{}: not a saved game, or cut: {} bytes", name, bytes.size()));
+    const std::span<const std::byte> content = bytes.first(bytes.size() - 8);
+    if (ByteReader(bytes.last(8)).fixed(8) != hash_bytes(content))
+        return bad_input(fmt::format("{}: damaged: its checksum differs from its contents", name));
     ByteReader in(content);
     (void)in.raw(kMagic.size());
     SavedGame save;
     save.version = std::uint32_t(in.fixed(4));
     save.game = in.text(in.byte());
     const std::uint64_t size = in.fixed(8);
-    if (in.ended() || size != in.left()) return bad_input(fmt::format("{}: its lengths do not add up", path.string()));
+    if (in.ended() || size != in.left()) return bad_input(fmt::format("{}: its lengths do not add up", name));
     const auto state = in.raw(size);
     save.state.assign(state.begin(), state.end());
     if (save.game != game)
-        return bad_input(fmt::format("{}: a saved game of '{}', not of '{}'", path.string(), save.game, game));
+        return bad_input(fmt::format("{}: a saved game of '{}', not of '{}'", name, save.game, game));
     if (save.version > newest)
-        return bad_input(fmt::format("{}: of version {}; this program reads versions up to {}", path.string(),
-                                     save.version, newest));
+        return bad_input(
+            fmt::format("{}: of version {}; this program reads versions up to {}", name, save.version, newest));
     return save;
 }
 

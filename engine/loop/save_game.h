@@ -31,6 +31,10 @@ Status write_save(const std::filesystem::path& path, const SavedGame& save);
 [[nodiscard]] Result<SavedGame> read_save(const std::filesystem::path& path, const std::string& game,
                                           std::uint32_t newest);
 
+/// The same from memory. @param name  in messages
+[[nodiscard]] Result<SavedGame> parse_save(std::span<const std::byte> bytes, const std::string& name,
+                                           const std::string& game, std::uint32_t newest);
+
 struct LoadedSave {
     SavedGame save;
     std::string warning;  ///< empty, or why it is the previous one

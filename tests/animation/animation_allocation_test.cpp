@@ -8,23 +8,30 @@
 
 #include "engine/animation/dynamic_models.h"
 #include "engine/frame/dynamic_overlay.h"
+#include "engine/frame/renderer.h"
 #include "tests/support/animated_worlds.h"
 
 namespace {
 std::atomic<std::uint64_t> g_allocations{0};
 }
 
-[[gnu::noinline]] void* operator new(std::size_t size) {
+// Sanitizers have an allocator of their own.
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+constexpr bool kCounts = true;
+void* operator new(std::size_t size) {
     g_allocations.fetch_add(1, std::memory_order_relaxed);
     if (void* memory = std::malloc(size)) return memory;
     std::abort();
 }
-[[gnu::noinline]] void operator delete(void* memory) noexcept {
+void operator delete(void* memory) noexcept {
     std::free(memory);
 }
-[[gnu::noinline]] void operator delete(void* memory, std::size_t) noexcept {
+void operator delete(void* memory, std::size_t) noexcept {
     std::free(memory);
 }
+#else
+constexpr bool kCounts = false;
+#endif
 
 namespace ff::animation {
 namespace {
@@ -43,6 +50,7 @@ std::vector<farfield::TileRequest> all_tiles() {
 }
 
 TEST(AnimationAllocations, turning_round_among_models_allocates_nothing) {
+    if (!kCounts) GTEST_SKIP() << "a sanitizer counts allocations its own way";
     const auto world = test::make_animated_world({.worms = 30, .carts = 10});
     DynamicModels models(*world);
     frame::DynamicOverlay overlay(world->scene());
@@ -65,6 +73,33 @@ TEST(AnimationAllocations, turning_round_among_models_allocates_nothing) {
     const std::uint64_t before = g_allocations;
     for (int f = 0; f < 64; ++f) draw(0.1 * f, 1.0 + 0.013 * f);
     EXPECT_EQ(g_allocations - before, 0u);
+}
+
+TEST(AnimationAllocations, frames_with_moving_shadows_allocate_nothing) {
+    if (!kCounts) GTEST_SKIP() << "a sanitizer counts allocations its own way";
+    const auto world = test::make_animated_world({.worms = 30, .carts = 10});
+    for (const frame::Mode mode : {frame::Mode::hybrid, frame::Mode::beam_reuse}) {
+        DynamicModels models(*world);
+        frame::Casters casters(world->scene());
+        frame::Renderer renderer(world->scene(), casters, nullptr, kWidth, kHeight);
+        auto states = initial_models(world->info().animation);
+        shading::Image image;
+        const frame::FrameSettings settings{.mode = mode, .sun_shadows = frame::SunShadows::on};
+        std::uint64_t sun_rays = 0;
+        const auto draw = [&](double yaw, double time_s) {
+            set_time(world->info().animation, time_s, states);
+            const Camera camera{.position = {0.5, 2.0, 6.0}, .yaw = yaw};
+            const auto dynamic = models.pose(states, make_view(camera, kWidth, kHeight));
+            const frame::FrameStats& stats = renderer.draw(camera, dynamic, settings, image);
+            sun_rays += stats.sun_rays;
+        };
+        for (int f = 0; f < 128; ++f) draw(0.1 * f, 0.013 * f);
+        const std::uint64_t before = g_allocations;
+        sun_rays = 0;
+        for (int f = 0; f < 64; ++f) draw(0.1 * f, 1.0 + 0.013 * f);
+        EXPECT_EQ(g_allocations - before, 0u) << int(mode);
+        EXPECT_GT(sun_rays, 0u);
+    }
 }
 
 }  // namespace

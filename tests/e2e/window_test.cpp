@@ -78,6 +78,41 @@ wait $tool
     EXPECT_NE(replay.out.find("\"closed\": true"), std::string::npos) << replay.out;
 }
 
+TEST(Window, a_changed_source_is_swapped_in_and_a_broken_one_is_not) {
+    if (run("command -v xvfb-run && command -v xdotool").exit_code != 0)
+        GTEST_SKIP() << "xvfb-run or xdotool is not installed (tools/setup installs both)";
+    const auto source = scratch() / "source";
+    std::filesystem::copy(FF_SOURCE_DIR "/tests/content/hamlet", source);
+    std::filesystem::copy(FF_SOURCE_DIR "/engine/shaders", scratch() / "shaders");
+    const auto script = scratch() / "reload.sh";
+    write_file(script, R"(set -u
+)" FF_BINARY R"( play "$1/hamlet.toml" --folder "$1/player" --skip-title --budget-ms 100 --shaders "$2" 2> "$1/log" &
+tool=$!
+wait_for() { for _ in $(seq 600); do grep -q "$1" "$3/log" && return; sleep 0.1; done; echo "no $1 after $2"; cat "$3/log"; kill $tool; exit 1; }
+for _ in $(seq 600); do [ -e "$1/player/recordings/beacons-1.ffreplay" ] && break; sleep 0.1; done
+sleep 1
+printf '\n[[place]]\nname = "beacon.2"\nposition_m = [9.0, 0.0, 0.0]\n' >> "$1/hamlet.toml"
+wait_for "the world was changed; its things too" "another beacon" "$1"
+sed -i 's/roof = "gabled"/roof = "flat"/' "$1/hamlet.toml"
+wait_for "the world was changed$" "another roof" "$1"
+sed -i 's/roof = "flat"/roof = "thatched"/' "$1/hamlet.toml"
+wait_for "hamlet.toml.*thatched" "a broken roof" "$1"
+echo "no GLSL" >> "$2/view.glsl"
+wait_for "no GLSL" "a broken shader" "$1"
+kill -0 $tool || { echo "the game has ended"; exit 1; }
+window=$(xdotool search --onlyvisible --name Beacons | head -1)
+xdotool windowfocus "$window"; sleep 0.5
+xdotool key --window "$window" Escape; sleep 1.5
+xdotool key --window "$window" Up; sleep 1
+xdotool keydown --window "$window" Return
+wait $tool
+)");
+    const ProcessResult result = run("XDG_CACHE_HOME=" + (scratch() / "cache").string() +
+                                     " timeout 250 xvfb-run -a -s '-screen 0 800x600x24' bash " + script.string() +
+                                     " " + source.string() + " " + (scratch() / "shaders").string());
+    EXPECT_EQ(result.exit_code, 0) << result.out << result.err << read_file(source / "log");
+}
+
 TEST(Window, the_game_is_won_by_keys_and_mouse_from_title_to_end) {
     if (run("command -v xvfb-run && command -v xdotool && command -v ffmpeg").exit_code != 0)
         GTEST_SKIP() << "xvfb-run, xdotool or ffmpeg is not installed (tools/setup installs them)";

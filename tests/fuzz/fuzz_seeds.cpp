@@ -7,6 +7,8 @@
 #include <string>
 
 #include "engine/core/write_file.h"
+#include "engine/loop/save_game.h"
+#include "engine/replay/recorder.h"
 #include "engine/scene/save_world.h"
 #include "tests/support/animated_worlds.h"
 #include "tests/support/worlds.h"
@@ -48,7 +50,35 @@ int report(const Error& error) {
     return 1;
 }
 
+/// A session of two ticks and a comment, a saved game, settings.
+Status make_player_seeds(const std::filesystem::path& folder) {
+    for (const char* name : {"recording", "save", "settings"}) std::filesystem::create_directories(folder / name);
+    FF_ASSIGN(replay::Recorder recorder,
+              replay::Recorder::create(folder / "recording" / "session", {.game = "beacons",
+                                                                          .engine_version = "0.1",
+                                                                          .pack = "p",
+                                                                          .pack_hash = 1,
+                                                                          .seed = 2,
+                                                                          .settings = "",
+                                                                          .start = {}}));
+    for (std::uint64_t t = 0; t < 2; ++t) {
+        recorder.begin_tick({.move_ahead = 127, .yaw_urad = std::int32_t(1000 * t), .buttons = 3});
+        recorder.end_tick({.all = t});
+    }
+    recorder.mark("here");
+    FF_TRY(recorder.close());
+    // Records alone, for which the fuzzer makes the header: a tick, its state, a comment.
+    std::string records("\1", 1);
+    records += std::string("\1\0\2", 3) + std::string(8 + sizeof(replay::StateDigest::lanes), '\7') + "\3\2ab";
+    FF_TRY(write_file_whole(folder / "recording" / "records", records));
+    FF_TRY(loop::write_save(folder / "save" / "slot", {"beacons", 1, std::vector<std::byte>(40)}));
+    return write_file_whole(folder / "settings" / "usual",
+                            std::string_view("fov_deg = 70.0\nbudget_ms = 16.6\nwidth = 800\nheight = 600\n"
+                                             "mouse_speed = 1.5\n\n[keys]\nuse = [\"e\", \"pad a\"]\n"));
+}
+
 int make_seeds(const std::filesystem::path& folder) {
+    if (const Status status = make_player_seeds(folder); !status) return report(status.error());
     std::filesystem::create_directories(folder / "pack");
     std::filesystem::create_directories(folder / "walk");
     struct Seed {

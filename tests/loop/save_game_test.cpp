@@ -78,7 +78,7 @@ TEST_F(SaveGameTest, where_nothing_can_be_written_nothing_is_lost) {
 TEST_F(SaveGameTest, killed_at_any_moment_a_whole_save_is_left) {
     std::mt19937 random(7);
     ASSERT_TRUE(write_save(path, save_of(0, 100'000)));
-    for (int trial = 0; trial < 40; ++trial) {
+    for (int trial = 0; trial < 65; ++trial) {
         const pid_t child = fork();
         if (child == 0)
             for (std::uint8_t i = 0;; ++i)

@@ -158,7 +158,7 @@ TEST_F(RecordingTest, a_flipped_byte_is_found_before_the_next_checksum) {
 
 TEST_F(RecordingTest, what_a_killed_process_recorded_is_all_there) {
     std::mt19937 random(11);
-    for (int trial = 0; trial < 20; ++trial) {
+    for (int trial = 0; trial < 65; ++trial) {
         const pid_t child = fork();
         if (child == 0) {
             auto recorder = Recorder::create(path, header);

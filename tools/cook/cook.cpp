@@ -94,7 +94,9 @@ Result<CookReport> cook(const std::filesystem::path& source, const std::filesyst
     CookContext context(cache);
 
     FF_ASSIGN(WorldSource world, load_source(source, settings.scale, context));
+    world.bytes_in = context.bytes_in();
     report.bytes_in = world.bytes_in;
+    for (const std::filesystem::path& input : context.inputs()) report.inputs.push_back(input.string());
     FF_ASSIGN(const Assembly assembly, assemble(std::move(world), {}, context));
     count_scene(assembly, report);
     FF_ASSIGN(report.bytes_out, scene::write_world(out, assembly.scene, assembly.info));
@@ -133,6 +135,7 @@ std::string CookReport::to_json() const {
     json["dynamic_instances"] = dynamic_instances;
     json["cells"] = cells;
     json["bytes_in"] = bytes_in;
+    json["inputs"] = inputs;
     json["bytes_out"] = bytes_out;
     json["seconds"] = seconds;
     json["mb_per_s"] = megabytes_per_second();

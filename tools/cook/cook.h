@@ -34,6 +34,7 @@ struct CookReport {
     std::uint64_t bytes_in = 0, bytes_out = 0;
     std::uint64_t cache_hits = 0, cache_misses = 0;
     double seconds = 0;
+    std::vector<std::string> inputs;  ///< the source files read, sorted
     std::vector<CookStage> stages;
     std::vector<std::string> warnings;
 

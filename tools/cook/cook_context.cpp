@@ -17,6 +17,27 @@ std::vector<std::string> CookContext::warnings() const {
     return {warnings_.begin(), warnings_.end()};
 }
 
+void CookContext::add_input(const std::filesystem::path& path, std::optional<std::uint64_t> bytes) {
+    std::error_code ignored;
+    const std::uint64_t size = bytes ? *bytes : std::filesystem::file_size(path, ignored);
+    const std::lock_guard lock(mutex_);
+    inputs_[path.lexically_normal()] = size;
+}
+
+std::vector<std::filesystem::path> CookContext::inputs() const {
+    const std::lock_guard lock(mutex_);
+    std::vector<std::filesystem::path> paths;
+    for (const auto& [path, bytes] : inputs_) paths.push_back(path);
+    return paths;
+}
+
+std::uint64_t CookContext::bytes_in() const {
+    const std::lock_guard lock(mutex_);
+    std::uint64_t sum = 0;
+    for (const auto& [path, bytes] : inputs_) sum += bytes;
+    return sum;
+}
+
 void CookContext::end_stage(const char* name) {
     stages_.push_back({name, stage_.seconds()});
     stage_.restart();

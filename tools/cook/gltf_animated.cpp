@@ -220,7 +220,6 @@ Result<Model> import_animated(GltfFile& file, const GltfData& data, WorldSource&
     model.bounds = rest_bounds(animated, into.meshes);
     model.animated = static_cast<std::uint32_t>(into.animation.models.size());
     into.animation.models.push_back(std::move(animated));
-    into.bytes_in += file.bytes_read;
     return model;
 }
 

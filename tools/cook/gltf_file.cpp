@@ -192,7 +192,8 @@ Result<GltfFile> open_gltf(const std::filesystem::path& path, CookContext& conte
     file.name = path.string();
     file.folder = path.parent_path();
     FF_ASSIGN(file.file_bytes, read_file_bytes(path));
-    file.bytes_read = file.file_bytes.size();
+    file.context = &context;
+    context.add_input(path, file.file_bytes.size());
     if (file.file_bytes.empty()) return file.error("byte 0", "an empty file; expected glTF");
     if (file.file_bytes.size() >= 4 && read_u32(file.file_bytes, 0) == kGlbMagic) {
         FF_TRY(split_glb(file, context));
@@ -217,7 +218,7 @@ Result<Bytes> load_uri(GltfFile& file, const std::string& uri, const std::string
         return file.error(place, fmt::format("`{}`; expected a path near the model's folder", shortened(uri)));
     auto bytes = read_file_bytes(file.folder / relative);
     if (!bytes) return file.error(place, fmt::format("`{}`: {}", shortened(uri), bytes.error().message));
-    file.bytes_read += bytes->size();
+    file.context->add_input(file.folder / relative, bytes->size());
     file.loaded.push_back(std::make_unique<std::vector<std::byte>>(std::move(*bytes)));
     return Bytes(*file.loaded.back());
 }

@@ -26,8 +26,8 @@ struct GltfFile {
     Bytes binary_chunk;  ///< of a .glb, inside file_bytes; empty where there is none
     bool has_binary_chunk = false;
     std::vector<std::unique_ptr<std::vector<std::byte>>> loaded;  ///< owners of what URIs named
-    std::vector<Bytes> buffers;    ///< by index of `buffers`, cut to byteLength; empty where there is no data
-    std::uint64_t bytes_read = 0;  ///< of all files
+    std::vector<Bytes> buffers;      ///< by index of `buffers`, cut to byteLength; empty where there is no data
+    CookContext* context = nullptr;  ///< is told what files are read; borrowed
 
     /// An error at a place of this file, e.g. ("accessors[3].count", "0; expected at least 1").
     [[nodiscard]] Error error(const std::string& place, const std::string& found_and_expected) const;

@@ -69,7 +69,6 @@ Result<Model> append(const GltfFile& file, ImportedMaterials imported, std::vect
 
     for (std::size_t i = 0; i < meshes.size(); ++i)
         append_mesh(fmt::format("{}: meshes[{}]", file.name, gltf_meshes[i]), std::move(meshes[i]), material_ids, into);
-    into.bytes_in += file.bytes_read;
     return model;
 }
 

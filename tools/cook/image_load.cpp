@@ -189,9 +189,9 @@ Result<SourceTexture> decode_texture(std::span<const std::byte> bytes, const std
     return texture;
 }
 
-Result<SourceTexture> load_texture(const std::filesystem::path& path, CookContext& context, std::uint64_t& bytes_in) {
+Result<SourceTexture> load_texture(const std::filesystem::path& path, CookContext& context) {
     FF_ASSIGN(const std::vector<std::byte> bytes, read_file_bytes(path));
-    bytes_in += bytes.size();
+    context.add_input(path, bytes.size());
     return decode_texture(bytes, path.string(), context);
 }
 

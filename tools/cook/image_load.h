@@ -22,9 +22,8 @@ inline constexpr std::uint32_t kMaxTextureSize = 4096;
 [[nodiscard]] Result<SourceTexture> decode_texture(std::span<const std::byte> bytes, const std::string& name,
                                                    CookContext& context);
 
-/// The same from a file; adds its size to `bytes_in`.
-[[nodiscard]] Result<SourceTexture> load_texture(const std::filesystem::path& path, CookContext& context,
-                                                 std::uint64_t& bytes_in);
+/// The same from a file.
+[[nodiscard]] Result<SourceTexture> load_texture(const std::filesystem::path& path, CookContext& context);
 
 /// The whole file as bytes. Errors: bad_input, with the system's reason.
 [[nodiscard]] Result<std::vector<std::byte>> read_file_bytes(const std::filesystem::path& path);

@@ -35,7 +35,10 @@ class SceneBuilder {
     Result<WorldSource> build() {
         world_.name = scene_.name;
         world_.environment = scene_.environment;
-        if (!scene_.sky_panorama.empty()) FF_TRY(load_sky_panorama(scene_.sky_panorama, world_));
+        if (!scene_.sky_panorama.empty()) {
+            FF_TRY(load_sky_panorama(scene_.sky_panorama, world_));
+            context_.add_input(scene_.sky_panorama);
+        }
         FF_TRY(add_ground());
         context_.end_stage("ground");
         // What says its height itself may be the ground that others stand on, wherever in the file it is written.
@@ -62,7 +65,7 @@ class SceneBuilder {
     Result<std::uint32_t> texture(const std::filesystem::path& path) {
         const auto [place, is_new] = textures_.try_emplace(path.string(), std::uint32_t(world_.textures.size()));
         if (is_new) {
-            FF_ASSIGN(SourceTexture loaded, load_texture(path, context_, world_.bytes_in));
+            FF_ASSIGN(SourceTexture loaded, load_texture(path, context_));
             world_.textures.push_back(std::move(loaded));
         }
         return place->second;
@@ -97,8 +100,7 @@ class SceneBuilder {
             field = make_valley_cached(*scene_.terrain->valley, context_.cache());
         } else if (has_terrain) {
             FF_ASSIGN(field, read_height_file(scene_.terrain->heightmap, scene_.terrain->file, frame_));
-            std::error_code ignored;
-            world_.bytes_in += std::filesystem::file_size(scene_.terrain->heightmap, ignored);
+            context_.add_input(scene_.terrain->heightmap);
         }
         std::vector<RectXZ> exact;
         if (scene_.town) {
@@ -230,8 +232,7 @@ class SceneBuilder {
             FF_ASSIGN(
                 const std::vector<Footprint> footprints,
                 read_footprints(buildings.footprints, buildings.properties, OutlineKind::buildings, frame_, context_));
-            std::error_code ignored;
-            world_.bytes_in += std::filesystem::file_size(buildings.footprints, ignored);
+            context_.add_input(buildings.footprints);
             BuildingLook look;
             look.roof = buildings.roof;
             look.detail = buildings.detail;
@@ -498,6 +499,7 @@ class SceneBuilder {
 Result<WorldSource> load_scene_toml(const std::filesystem::path& path, const SceneTomlSettings& settings,
                                     CookContext& context) {
     FF_ASSIGN(const SceneDescription scene, read_scene_description(path));
+    context.add_input(path);
     Result<WorldSource> world = SceneBuilder(scene, settings.scale, context).build();
     if (!world) {
         // Every message names a file; those of the parts name their own.
@@ -505,8 +507,6 @@ Result<WorldSource> load_scene_toml(const std::filesystem::path& path, const Sce
             return bad_input(fmt::format("{}: {}", path.string(), world.error().message));
         return world.error();
     }
-    std::error_code ignored;
-    world->bytes_in += std::filesystem::file_size(path, ignored);
     return world;
 }
 

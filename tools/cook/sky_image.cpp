@@ -52,8 +52,6 @@ Status load_sky_panorama(const std::filesystem::path& path, WorldSource& world) 
         }
         world.sky_panorama[4 * i + 3] = half_of(1.0f);
     }
-    std::error_code ignored;
-    world.bytes_in += std::filesystem::file_size(path, ignored);
     return {};
 }
 

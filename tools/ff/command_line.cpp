@@ -297,7 +297,8 @@ int run(int argc, const char* const* argv) {
                            "Few frames and pairs of knobs: minutes instead of a quarter of an hour");
 
     PlayOptions play;
-    auto* play_app = app.add_subcommand("play", "Play the sample game in a world");
+    auto* play_app = app.add_subcommand(
+        "play", "Play the sample game in a world; a source is cooked, and anew when its files change");
     play_app->add_option("PACK", play.pack, "A .ffpack, or a source")->required();
     play_app->add_option("--folder", play.folder, "Folder of settings, saved games and recordings");
     play_app->add_option("--budget-ms", play.budget_ms, "Instead of the player's own")->check(number_in(0.0, 1e5));
@@ -309,6 +310,9 @@ int run(int argc, const char* const* argv) {
                      "Without a window, as fast as it goes: random does anything, winner tries to win")
         ->transform(CLI::CheckedTransformer(kAutoPlayers, CLI::ignore_case).description(""));
     play_app->add_option("--minutes", play.minutes, "Of game time at most, for --player")->check(number_in(0.0, 1e4));
+    play_app
+        ->add_option("--shaders", play.shaders, "Folder of GLSL files to use and watch instead of the built-in ones")
+        ->check(CLI::ExistingDirectory);
     play_app->add_option("--recording", play.recording, "File to record into, for --player");
 
     ReplayOptions replay;

@@ -107,6 +107,7 @@ struct PlayOptions {
     AutoPlayerKind player = AutoPlayerKind::none;  ///< headless, as fast as it goes
     double minutes = 20.0;                         ///< of game time, at most, for an auto player
     std::filesystem::path recording;               ///< that it writes; empty: into the folder
+    std::filesystem::path shaders;                 ///< folder of GLSL files instead of the built-in ones; watched
 };
 /// The sample game.
 Status run_play(const PlayOptions& options);

@@ -74,8 +74,8 @@ std::vector<EffectDifference> compare_effects(Session& session, const ImageSize&
             for (std::size_t i = 0; i < runs.size(); ++i) {
                 Run& run = runs[(i + f) % runs.size()];  // nobody is always first
                 run.settings.time_s = session.settings_at(f).time_s;
-                run.ms[f] = std::min(run.ms[f],
-                                     run.renderer->draw(camera, session.dynamic(f, size), run.settings, run.image).frame_ms);
+                run.ms[f] = std::min(
+                    run.ms[f], run.renderer->draw(camera, session.dynamic(f, size), run.settings, run.image).frame_ms);
             }
             progress.advance();
             if (lap != 0) continue;

@@ -2,6 +2,7 @@
 
 #include "engine/core/log.h"
 #include "engine/core/stopwatch.h"
+#include "engine/gl/shader_folder.h"
 #include "engine/host/play.h"
 #include "engine/host/player_settings.h"
 #include "engine/host/random_player.h"
@@ -9,6 +10,7 @@
 #include "engine/scene/load_world.h"
 #include "game/beacons/beacons_game.h"
 #include "tools/ff/session.h"
+#include "tools/ff/source_watcher.h"
 #include "tools/picture/picture_file.h"
 
 namespace ff::tool {
@@ -54,18 +56,22 @@ Status play_by_itself(const PlayOptions& options, const std::filesystem::path& p
 }  // namespace
 
 Status run_play(const PlayOptions& options) {
-    FF_ASSIGN(const std::filesystem::path pack, pack_of(options.pack));
-    if (options.player != AutoPlayerKind::none) return play_by_itself(options, pack);
+    FF_ASSIGN(const CookedSource cooked, cooked_source(options.pack));
+    if (options.player != AutoPlayerKind::none) return play_by_itself(options, cooked.pack);
+    gl::use_shader_folder(options.shaders);
+    std::optional<SourceWatcher> watcher;
+    if (!cooked.inputs.empty() || !options.shaders.empty())
+        watcher.emplace(options.pack, cooked.pack, cooked.inputs, options.shaders);
     return host::play(beacons::game_info(),
-                      {.pack = pack,
+                      {.pack = cooked.pack,
                        .folder = options.folder,
                        .seed = options.seed,
                        .budget_ms = options.budget_ms,
                        .record = options.record,
                        .skip_title = options.skip_title,
-                       .write_picture = [](const std::filesystem::path& path, const shading::Image& image) {
-                           return write_image(path, image);
-                       }});
+                       .changes = [&]() { return watcher ? watcher->poll() : std::nullopt; },
+                       .write_picture = [](const std::filesystem::path& path,
+                                           const shading::Image& image) { return write_image(path, image); }});
 }
 
 }  // namespace ff::tool

@@ -42,6 +42,11 @@ class ReplayDrawer {
         log_.add(1e3 * (clock.seconds() + ticks_s), drawer_.renderer().plan().view.width, size_.width);
         return video_ ? video_->add(image_) : Status{};
     }
+    /// What the host draws before a session is played: later frames reuse what it builds.
+    Status draw_before_play(host::Game& game) {
+        game.show(0.0, view_);
+        return drawer_.draw(view_, size_.width, size_.height, {}, image_);
+    }
     [[nodiscard]] const shading::Image& image() const { return image_; }
     Status close() { return video_ ? video_->close() : Status{}; }
     [[nodiscard]] const host::FrameLog& log() const { return log_; }
@@ -100,6 +105,7 @@ Status run_replay(const ReplayOptions& options) {
     std::optional<ReplayDrawer> drawer;
     if (options.bench || !options.video.empty()) drawer.emplace(options, *world);
     if (!options.video.empty()) FF_TRY(drawer->open_video(options));
+    if (drawer) FF_TRY(drawer->draw_before_play(session->game()));
     const std::uint64_t end = std::min<std::uint64_t>(options.until.value_or(UINT64_MAX), recording.commands.size());
     double tick_s = 0.0, tick_s_of_frame = 0.0;
     {

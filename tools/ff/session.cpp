@@ -45,9 +45,14 @@ std::filesystem::path pack_path(const std::string& pack_or_source) {
 }
 
 Result<std::filesystem::path> pack_of(const std::string& pack_or_source) {
+    FF_ASSIGN(const CookedSource cooked, cooked_source(pack_or_source));
+    return cooked.pack;
+}
+
+Result<CookedSource> cooked_source(const std::string& pack_or_source) {
     const std::filesystem::path path(pack_or_source);
     if (!std::filesystem::exists(path)) return bad_input(fmt::format("{}: there is no such file", pack_or_source));
-    if (!is_source(path)) return path;
+    if (!is_source(path)) return CookedSource{path, {}};
 
     const std::filesystem::path pack = pack_path(pack_or_source);
     std::error_code error;
@@ -56,7 +61,7 @@ Result<std::filesystem::path> pack_of(const std::string& pack_or_source) {
     log_info("{} is a source: cooking it into the cache", pack_or_source);
     FF_ASSIGN(const cook::CookReport report, cook::cook(path, pack, {}));
     log_info("{}", report.to_text());
-    return pack;
+    return CookedSource{pack, report.inputs};
 }
 
 Result<frame::FrameSettings> chosen_settings(const ViewOptions& options, const scene::World& world,

@@ -1,9 +1,11 @@
 #pragma once
 // A world opened for drawing, as the drawing subcommands share it.
 
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "engine/core/result.h"
 #include "engine/frame/renderer.h"
@@ -20,6 +22,12 @@ std::filesystem::path cache_directory();
 /// Where the pack lies that is drawn: the one that is given, or that which a source is cooked into.
 [[nodiscard]] std::filesystem::path pack_path(const std::string& pack_or_source);
 
+/// A pack, and where it was cooked from a source just now, the files that it was cooked from.
+struct CookedSource {
+    std::filesystem::path pack;
+    std::vector<std::string> inputs;
+};
+Result<CookedSource> cooked_source(const std::string& pack_or_source);
 /// The pack itself, or for a source (scene.toml, .gltf, .glb) the pack that it is cooked into in the user's cache.
 Result<std::filesystem::path> pack_of(const std::string& pack_or_source);
 
