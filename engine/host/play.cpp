@@ -7,6 +7,7 @@
 #include "engine/core/log.h"
 #include "engine/core/stopwatch.h"
 #include "engine/core/write_file.h"
+#include "engine/host/frame_log.h"
 #include "engine/host/player_settings.h"
 #include "engine/host/screen.h"
 #include "engine/host/session.h"
@@ -48,6 +49,8 @@ class Player {
     Status load();
 
     void open(Menu menu);
+    void take_picture();
+    [[nodiscard]] frame::FrameSettings frame_settings() const;
     Status act(Choice choice);
     /// Of a frame: what is simulated, seen, and drawn.
     Status frame(double dt);
@@ -73,6 +76,7 @@ class Player {
     MenuText menu_text_;
     bool show_rows_ = false, quits_ = false, pad_start_before_ = false;
     std::vector<std::pair<std::string, std::string>> rows_;
+    FrameLog frame_log_;
 };
 
 Status Player::read_player_settings() {
@@ -148,7 +152,9 @@ void Player::open(Menu menu) {
     menu_ = menu;
     std::error_code ignored;
     menu_text_ = {.title = menu == Menu::pause ? "Pause" : info_.title,
-                  .text = menu == Menu::title ? info_.intro : "",
+                  .text = menu == Menu::title   ? info_.intro
+                          : menu == Menu::pause ? "F1 frame times   F2 comment in the recording   F12 picture"
+                                                : "",
                   .notice = "",
                   .can_load = std::filesystem::exists(save_path(), ignored) ||
                               std::filesystem::exists(loop::previous_save(save_path()), ignored)};
@@ -187,6 +193,10 @@ Status Player::act(Choice choice) {
             FF_TRY(begin_session(Purpose::show_behind_title));
             open(Menu::title);
             break;
+        case Choice::mark:
+            session_->mark(screen_->comment());
+            menu_ = Menu::none;
+            break;
         case Choice::quit:
             quits_ = true;
             break;
@@ -194,9 +204,31 @@ Status Player::act(Choice choice) {
     return {};
 }
 
+void Player::take_picture() {
+    const std::filesystem::path folder = folder_ / "pictures";
+    std::filesystem::path path;
+    for (int n = 1; path.empty() || std::filesystem::exists(path); ++n)
+        path = folder / fmt::format("{}-{}.png", info_.name, n);
+    std::error_code ignored;
+    std::filesystem::create_directories(folder, ignored);
+    if (const Status status = options_.write_picture(path, image_); !status)
+        log_warning("{}", status.error().message);
+    else
+        log_info("{}", path.string());
+}
+
+frame::FrameSettings Player::frame_settings() const {
+    frame::FrameSettings settings;
+    settings.budget_ms = options_.budget_ms.value_or(settings_.budget_ms);
+    if (settings.budget_ms == 0.0 && settings_.error_px > 0.0) {
+        settings.reuse_while_moving = true;
+        settings.max_parallax_px = float(settings_.error_px);
+    }
+    return settings;
+}
+
 Status Player::draw() {
-    frame::FrameSettings frame_settings;
-    frame_settings.budget_ms = options_.budget_ms.value_or(settings_.budget_ms);
+    const frame::FrameSettings frame_settings = this->frame_settings();
     if (settings_.fov_deg != 0.0) view_.camera.vertical_fov *= radians_of(settings_.fov_deg) / info_.fov;
     FF_TRY(drawer_->draw(view_, settings_.width, settings_.height, frame_settings, image_));
     const platform::FramebufferSize size = window_->framebuffer_size();
@@ -224,6 +256,8 @@ Status Player::frame(double dt) {
     window_->swap();
     FF_TRY(act(choice));
     if (input_.pressed(Key::f1)) show_rows_ = !show_rows_;
+    if (plays && input_.pressed(Key::f2)) open(Menu::marker);
+    if (plays && input_.pressed(Key::f12) && options_.write_picture) take_picture();
     const bool pad_start = ((input_.gamepad.buttons >> 7) & 1) != 0;
     if (plays && (input_.pressed(Key::escape) || (pad_start && !pad_start_before_))) open(Menu::pause);
     // The menu itself goes back from the settings.
@@ -249,14 +283,18 @@ Status Player::run() {
     FF_TRY(begin_session(options_.skip_title ? Purpose::play : Purpose::show_behind_title));
     open(options_.skip_title ? Menu::none : Menu::title);
     Stopwatch clock;
+    bool played = false;  // the frame before, whose time is known at the next one's beginning
     while (!quits_ && window_->poll(input_)) {
         const double dt = clock.seconds();
         clock.restart();
         const platform::FramebufferSize size = window_->framebuffer_size();
         if (size.width < 16 || size.height < 16) continue;  // minimised
+        if (played) frame_log_.add(1e3 * dt, drawer_->renderer().plan().view.width, settings_.width);
+        played = menu_ == Menu::none;
         FF_TRY(frame(dt));
     }
     end_session();
+    if (frame_log_.frames() > 0) log_info("{}", frame_log_.to_text());
     return {};
 }
 

@@ -2,9 +2,11 @@
 // Plays a game in a window: title, settings, pause, saving and loading, end.
 
 #include <filesystem>
+#include <functional>
 #include <optional>
 
 #include "engine/host/game.h"
+#include "engine/shading/shading_pass.h"
 
 namespace ff::host {
 
@@ -15,6 +17,8 @@ struct PlayOptions {
     std::optional<double> budget_ms;  ///< instead of the player's
     bool record = true;               ///< every session, into FOLDER/recordings
     bool skip_title = false;          ///< begins at once
+    /// Writes a picture that the player takes; null: there is no key for it.
+    std::function<Status(const std::filesystem::path&, const shading::Image&)> write_picture;
 };
 
 /// Until the player quits. Errors: no display, no such pack, a world that the game cannot be played in, settings that

@@ -90,9 +90,10 @@ PlayerSettings default_settings(std::span<const loop::Action> actions) {
 
 std::string to_text(const PlayerSettings& settings) {
     std::string text = fmt::format(
-        "fov_deg = {}\nbudget_ms = {}\nwidth = {}\nheight = {}\nfullscreen = {}\nmouse_speed = {}\ninvert_pitch = {}\n"
+        "fov_deg = {}\nbudget_ms = {}\nerror_px = {}\nwidth = {}\nheight = {}\nfullscreen = {}\nmouse_speed = "
+        "{}\ninvert_pitch = {}\n"
         "\n[keys]\n",
-        settings.fov_deg, settings.budget_ms, settings.width, settings.height, settings.fullscreen,
+        settings.fov_deg, settings.budget_ms, settings.error_px, settings.width, settings.height, settings.fullscreen,
         settings.mouse_speed, settings.invert_pitch);
     for (const loop::Action& action : settings.actions) {
         text += action.name + " = [";
@@ -119,6 +120,7 @@ Result<PlayerSettings> read_settings(const std::string& text, const std::string&
     SettingsReader reader(parsed, file);
     reader.number("fov_deg", 30, 110, settings.fov_deg);
     reader.number("budget_ms", 0, 1000, settings.budget_ms);
+    reader.number("error_px", 0, 16, settings.error_px);
     reader.integer("width", 64, 8192, settings.width);
     reader.integer("height", 64, 8192, settings.height);
     reader.boolean("fullscreen", settings.fullscreen);

@@ -10,8 +10,11 @@
 namespace ff::host {
 
 struct PlayerSettings {
-    double fov_deg = 0.0;           ///< vertical, [30, 110]; 0: the game's own
-    double budget_ms = 30.0;        ///< a frame may take so long, [0, 1000]; 0: exact frames
+    double fov_deg = 0.0;     ///< vertical, [30, 110]; 0: the game's own
+    double budget_ms = 30.0;  ///< a frame may take so long, [0, 1000]; 0: error_px rules
+    /// Without a budget: how far what is seen again may be shifted against what is right, pixels of parallax, [0, 16];
+    /// 0: exact frames.
+    double error_px = 0.0;
     int width = 640, height = 480;  ///< of the picture, [64, 8192]; the window scales it
     bool fullscreen = false;
     double mouse_speed = 1.0;  ///< [0.05, 20]

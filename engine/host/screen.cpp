@@ -77,6 +77,7 @@ struct Screen::Impl {
     int selected = 0;                              ///< entry of the menu, for keys and gamepad
     bool pad_held_before = false;                  ///< a button of the gamepad that menus know
     int waiting_action = -1, waiting_trigger = 0;  ///< of the settings menu: whose new key is asked for
+    std::array<char, 256> comment{};               ///< of the marker menu, ends with 0
 
     ~Impl() {
         if (context == nullptr) return;
@@ -89,6 +90,7 @@ struct Screen::Impl {
     Choice draw_menu(Menu menu, const MenuText& text, const platform::InputState& input, PlayerSettings& settings);
     Choice draw_settings(const platform::InputState& input, PlayerSettings& settings);
     void draw_keys(const platform::InputState& input, PlayerSettings& settings);
+    Choice draw_marker(const platform::InputState& input);
     /// Moves the selection by arrow keys and gamepad. @return whether the selected entry is chosen
     bool choose_by_keys(Menu menu, int entries, const platform::InputState& input);
 };
@@ -140,6 +142,10 @@ Choice Screen::draw(std::span<const HudItem> hud, Menu menu, const MenuText& tex
     return choice;
 }
 
+std::string_view Screen::comment() const {
+    return impl_->comment.data();
+}
+
 bool Screen::Impl::choose_by_keys(Menu menu, int entries, const platform::InputState& input) {
     using platform::Key;
     const auto pad = [&](int button) { return ((input.gamepad.buttons >> button) & 1) != 0; };
@@ -164,6 +170,7 @@ Choice Screen::Impl::draw_menu(Menu menu, const MenuText& text, const platform::
     ImDrawList& behind = *ImGui::GetBackgroundDrawList();
     behind.AddRectFilled({0, 0}, size, IM_COL32(8, 12, 18, menu == Menu::title ? 90 : 150));
     if (menu == Menu::settings) return draw_settings(input, settings);
+    if (menu == Menu::marker) return draw_marker(input);
 
     draw_text(behind, {0.5f * size.x, 0.2f * size.y}, kTitleSize * size.y, ImGui::GetColorU32(pale()),
               text.title.c_str());
@@ -231,7 +238,9 @@ Choice Screen::Impl::draw_settings(const platform::InputState& input, PlayerSett
     slider("field of view", fov, 30.0, 110.0, "%.0f degrees");
     if (fov != 65.0 || settings.fov_deg != 0.0) settings.fov_deg = fov;
     slider("time of a frame", settings.budget_ms, 0.0, 100.0,
-           settings.budget_ms > 0.0 ? "%.1f ms, then drawn coarser" : "whatever an exact picture takes");
+           settings.budget_ms > 0.0 ? "%.1f ms, then drawn coarser" : "whatever it takes");
+    if (settings.budget_ms == 0.0)
+        slider("error", settings.error_px, 0.0, 4.0, settings.error_px > 0.0 ? "up to %.1f pixels" : "exact pictures");
     constexpr std::array kHeights{240, 360, 480, 720, 1080};
     for (const int height : kHeights) {
         const std::string label = std::to_string(height * 4 / 3) + " x " + std::to_string(height);
@@ -251,6 +260,27 @@ Choice Screen::Impl::draw_settings(const platform::InputState& input, PlayerSett
     ImGui::End();
     const bool escape = waiting_action < 0 && input.pressed(platform::Key::escape);
     return back || escape ? Choice::back : Choice::none;
+}
+
+Choice Screen::Impl::draw_marker(const platform::InputState& input) {
+    const ImVec2 size = ImGui::GetIO().DisplaySize;
+    draw_text(*ImGui::GetBackgroundDrawList(), {0.5f * size.x, 0.4f * size.y}, kTextSize * size.y,
+              ImGui::GetColorU32(pale()), "A comment for the recording; Enter keeps it, Escape drops it");
+    ImGui::SetNextWindowPos({0.15f * size.x, 0.45f * size.y});
+    ImGui::SetNextWindowSize({0.7f * size.x, 0.1f * size.y});
+    ImGui::Begin("marker", nullptr, kBare | ImGuiWindowFlags_NoNav);
+    ImGui::SetWindowFontScale(kTextSize * size.y / ImGui::GetFont()->FontSize);
+    if (last_menu != Menu::marker) {
+        comment.fill('\0');
+        ImGui::SetKeyboardFocusHere();
+    }
+    ImGui::PushItemWidth(-1.0f);
+    const bool entered =
+        ImGui::InputText("##comment", comment.data(), comment.size(), ImGuiInputTextFlags_EnterReturnsTrue);
+    ImGui::PopItemWidth();
+    ImGui::End();
+    if (input.pressed(platform::Key::escape)) return Choice::go_on;
+    return entered ? Choice::mark : Choice::none;
 }
 
 void Screen::Impl::draw_keys(const platform::InputState& input, PlayerSettings& settings) {

@@ -4,6 +4,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "engine/core/result.h"
@@ -17,10 +18,10 @@ class Window;
 
 namespace ff::host {
 
-enum class Menu : std::uint8_t { none, title, pause, settings, end };
+enum class Menu : std::uint8_t { none, title, pause, settings, end, marker };
 
 /// What the player chose in a menu this frame.
-enum class Choice : std::uint8_t { none, start, go_on, load, save, settings, back, to_title, quit };
+enum class Choice : std::uint8_t { none, start, go_on, load, save, settings, back, to_title, quit, mark };
 
 /// What a menu shows.
 struct MenuText {
@@ -46,6 +47,8 @@ class Screen {
     /// @param rows      of the overlay, name and value; empty: none is shown
     Choice draw(std::span<const HudItem> hud, Menu menu, const MenuText& text, const platform::InputState& input,
                 PlayerSettings& settings, std::span<const std::pair<std::string, std::string>> rows);
+    /// What was typed before Choice::mark.
+    [[nodiscard]] std::string_view comment() const;
 
   private:
     struct Impl;

@@ -16,6 +16,11 @@ struct Before {
     glm::quat rotation{1.0f, 0.0f, 0.0f, 0.0f};
 };
 
+/// Where a walker last stood: who falls out of the world comes back to it.
+struct Footing {
+    WorldPos feet{0.0};
+};
+
 struct Beacon {
     std::uint32_t number = 0;     ///< 0 is the first
     std::uint32_t kindled = 0;    ///< ticks that somebody has held the torch to it

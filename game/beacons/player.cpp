@@ -34,6 +34,13 @@ void move_player(ecs::SystemContext& context) {
     const auto& at = *context.get<const ecs::LocalTransform>(player);
     *context.get<Before>(player) = {at.position, at.rotation};
     auto* walker = context.get<physics::Walker>(player);
+    auto* footing = context.get<Footing>(player);
+    physics::PhysicsWorld& physics = *context.resource<physics::PhysicsTick>().world;
+    const physics::CharacterState state = physics.character(walker->id);
+    if (state.on_ground) footing->feet = state.position;
+    const scene::StaticScene& scene = context.resource<const Surroundings>().level->world->scene();
+    // It can only be refused for a position that is no number, and this one has been stood upon.
+    if (state.position.y < scene.bounds.low.y - kAbyss) (void)physics.set_position(walker->id, footing->feet);
     walker->input = host::walking_input(command, runs ? kRunning : kWalk, command.held(kJump));
 }
 
@@ -42,10 +49,10 @@ void move_player(ecs::SystemContext& context) {
 void add_player_system(ecs::Schedule& schedule) {
     schedule.add("player",
                  ecs::Access()
-                     .write<physics::Walker, Before>()
+                     .write<physics::Walker, Before, Footing>()
                      .read<ecs::LocalTransform>()
                      .read_resource<PlayerCommand, Surroundings>()
-                     .write_resource<PlayerView>(),
+                     .write_resource<PlayerView, physics::PhysicsTick>(),
                  move_player);
 }
 

@@ -35,6 +35,7 @@ class Populator {
     explicit Populator(State& state) : s_(state), world_(*state.level.world) {}
 
     Status run() {
+        FF_TRY(add_ground_where_there_is_none());
         add_player();
         add_beacons();
         if (s_.level.beacons.empty())
@@ -69,12 +70,24 @@ class Populator {
             if (!named_animated[i]) s_.level.scenery.push_back({.first_animated = i, .animated_count = 1});
     }
 
+    /// Some worlds are buildings on nothing: there one walks on a level as high as the spawn point.
+    Status add_ground_where_there_is_none() {
+        constexpr float kReach = 1000.0f;  // metres
+        const WorldPos spawn = world_.info().spawn_position;
+        if (s_.physics.cast_ray(spawn + DVec3(0.0, 1.0, 0.0), Vec3(0.0f, -1.0f, 0.0f), 1e5)) return {};
+        FF_TRY(s_.physics.add_body({.shape = physics::box_shape(Vec3(kReach, 1.0f, kReach)),
+                                    .motion = physics::Motion::kinematic,
+                                    .pose = {.position = spawn - DVec3(0.0, 1.0, 0.0)}}));
+        return {};
+    }
+
     void add_player() {
         const scene::WorldInfo& info = world_.info();
         s_.view() = {kFov, std::int32_t(std::lround(info.spawn_yaw * 1e6)), 0};
         const ecs::LocalTransform at = standing_at(info.spawn_position, info.spawn_yaw);
         const auto character = s_.physics.add_character({.position = at.position});
-        s_.level.player = add("the player", at, physics::Walker{character ? *character : physics::CharacterId{}, {}});
+        s_.level.player = add("the player", at, physics::Walker{character ? *character : physics::CharacterId{}, {}},
+                              Footing{at.position});
     }
 
     void add_beacons() {

@@ -18,6 +18,7 @@ inline constexpr double kSunAzimuthStart = radians_of(205.0), kSunAzimuthEnd = r
 inline constexpr std::uint32_t kSunStepTicks = 4 * kTicks;
 
 inline constexpr float kWalk = 2.2f, kRunning = 8.0f;  ///< metres a second
+inline constexpr double kAbyss = 20.0;                 ///< metres below all of the world: out of it
 inline constexpr double kEyeHeight = 1.65;             ///< metres above the feet
 inline constexpr double kFov = radians_of(65.0), kSpyglassFov = radians_of(5.0);
 

@@ -41,7 +41,7 @@ void visit_entities(State& state, Begin&& begin_entity, Visit&& visit) {
             fields(entity);
         }
     };
-    each({&level.player, 1}, [](ecs::Entity) {});
+    each({&level.player, 1}, [&](ecs::Entity entity) { visit_vector(registry.get<Footing>(entity)->feet, visit); });
     each(level.beacons, [&](ecs::Entity entity) {
         auto& beacon = *registry.get<Beacon>(entity);
         visit(beacon.kindled);

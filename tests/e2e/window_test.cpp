@@ -78,5 +78,20 @@ wait $tool
     EXPECT_NE(replay.out.find("\"closed\": true"), std::string::npos) << replay.out;
 }
 
+TEST(Window, the_game_is_won_by_keys_and_mouse_from_title_to_end) {
+    if (run("command -v xvfb-run && command -v xdotool && command -v ffmpeg").exit_code != 0)
+        GTEST_SKIP() << "xvfb-run, xdotool or ffmpeg is not installed (tools/setup installs them)";
+    const auto folder = scratch() / "winner", pictures = scratch() / "pictures";
+    const ProcessResult result =
+        run("XDG_CACHE_HOME=" + (scratch() / "cache").string() + " timeout 250 xvfb-run -a -s '-screen 0 800x600x24' " +
+            WINDOW_PLAYER + " " + FF_BINARY + " " + hamlet_pack().string() + " " + folder.string() + " " +
+            pictures.string() + " 120");
+    ASSERT_EQ(result.exit_code, 0) << result.out << result.err;
+    for (const char* stage : {"00-title", "01-begun", "02-end"})
+        EXPECT_TRUE(std::filesystem::exists(pictures / (std::string(stage) + ".png"))) << stage;
+    EXPECT_LT(psnr_db(pictures / "00-title.png", pictures / "01-begun.png"), 40.0);
+    EXPECT_EQ(run_ff("replay " + (folder / "recordings/beacons-1.ffreplay").string() + " --verify").exit_code, 0);
+}
+
 }  // namespace
 }  // namespace ff::test

@@ -191,6 +191,38 @@ TEST(Beacons, a_random_player_breaks_nothing) {
     }
 }
 
+TEST(Beacons, who_walks_off_the_world_comes_back_to_where_he_stood) {
+    const auto world = make_town();
+    const auto game = begin(*world);
+    const double edge = std::max(world->scene().bounds.high.x, world->scene().bounds.high.z);
+    loop::UserCommand runs{.move_ahead = loop::UserCommand::kFull, .yaw_urad = 1'570'796};
+    runs.buttons = 1u << 1;
+    host::GameView view;
+    double farthest = 0.0, lowest = 0.0;
+    for (int t = 0; t < 120 * 120; ++t) {
+        game->tick(runs);
+        game->show(0.0, view);
+        farthest = std::max(farthest, std::abs(view.camera.position.x));
+        lowest = std::min(lowest, view.camera.position.y - world->scene().bounds.low.y);
+    }
+    EXPECT_GT(farthest, edge - 1.0) << "he did not get to the edge";
+    EXPECT_GT(lowest, -40.0);
+}
+
+TEST(Beacons, a_world_without_ground_gets_some) {
+    scene::WorldInfo info;
+    info.name = "gap";
+    info.spawn_position = {500.0, 3.0, 0.0};
+    info.places = {{.name = "beacon.1", .position = {500.0, 3.0, -40.0}}};
+    const scene::World world(test::make_city({.cells = 1}), std::move(info));
+    const auto game = begin(world);
+    for (int t = 0; t < 240; ++t) game->tick({.move_ahead = loop::UserCommand::kFull});
+    host::GameView view;
+    game->show(0.0, view);
+    EXPECT_NEAR(view.camera.position.y, 3.0 + 1.65, 0.1);
+    EXPECT_LT(view.camera.position.z, -3.0);
+}
+
 TEST(Beacons, a_world_that_lacks_something_is_refused_by_name) {
     const scene::World empty(test::make_city({.cells = 1}), {.name = "bare"});
     const auto game = game_info().begin(empty, 1);

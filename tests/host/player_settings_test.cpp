@@ -17,6 +17,7 @@ TEST(PlayerSettings, are_read_as_they_are_written) {
     PlayerSettings settings = default_settings(actions());
     settings.fov_deg = 80;
     settings.budget_ms = 16.5;
+    settings.error_px = 1.5;
     settings.width = 800;
     settings.height = 600;
     settings.invert_pitch = true;

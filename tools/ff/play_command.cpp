@@ -3,6 +3,7 @@
 #include "game/beacons/beacons_game.h"
 #include "tools/ff/commands.h"
 #include "tools/ff/session.h"
+#include "tools/picture/picture_file.h"
 
 namespace ff::tool {
 
@@ -17,12 +18,16 @@ Status run_play(const PlayOptions& options) {
                                  .ticks = std::uint64_t(options.minutes * 60.0 * host::kTicksPerSecond),
                                  .record = options.record,
                                  .recording = options.recording});
-    return host::play(beacons::game_info(), {.pack = pack,
-                                             .folder = options.folder,
-                                             .seed = options.seed,
-                                             .budget_ms = options.budget_ms,
-                                             .record = options.record,
-                                             .skip_title = options.skip_title});
+    return host::play(beacons::game_info(),
+                      {.pack = pack,
+                       .folder = options.folder,
+                       .seed = options.seed,
+                       .budget_ms = options.budget_ms,
+                       .record = options.record,
+                       .skip_title = options.skip_title,
+                       .write_picture = [](const std::filesystem::path& path, const shading::Image& image) {
+                           return write_image(path, image);
+                       }});
 }
 
 }  // namespace ff::tool

@@ -5,8 +5,8 @@
 #include <nlohmann/json.hpp>
 
 #include "engine/core/log.h"
-#include "engine/core/quantile.h"
 #include "engine/core/stopwatch.h"
+#include "engine/host/frame_log.h"
 #include "engine/host/replay_session.h"
 #include "engine/host/view_drawer.h"
 #include "engine/scene/load_world.h"
@@ -34,15 +34,17 @@ class ReplayDrawer {
         video_.emplace(std::move(video));
         return {};
     }
-    Status draw(host::Game& game) {
+    /// @param ticks_s  seconds that the ticks since the last frame took: a frame's time has all of it
+    Status draw(host::Game& game, double ticks_s) {
+        const Stopwatch clock;
         game.show(0.0, view_);
         FF_TRY(drawer_.draw(view_, size_.width, size_.height, settings_, image_));
-        frame_ms_.push_back(drawer_.stats().frame_ms);
+        log_.add(1e3 * (clock.seconds() + ticks_s), drawer_.renderer().plan().view.width, size_.width);
         return video_ ? video_->add(image_) : Status{};
     }
     [[nodiscard]] const shading::Image& image() const { return image_; }
     Status close() { return video_ ? video_->close() : Status{}; }
-    [[nodiscard]] const std::vector<double>& frame_ms() const { return frame_ms_; }
+    [[nodiscard]] const host::FrameLog& log() const { return log_; }
 
   private:
     host::ViewDrawer drawer_;
@@ -51,11 +53,11 @@ class ReplayDrawer {
     host::GameView view_;
     shading::Image image_;
     std::optional<VideoWriter> video_;
-    std::vector<double> frame_ms_;
+    host::FrameLog log_;
 };
 
 void print_json(const replay::Recording& recording, std::uint64_t played, double tick_us,
-                const std::optional<host::Divergence>& divergence, const std::vector<double>& frame_ms) {
+                const std::optional<host::Divergence>& divergence, const host::FrameLog* frames) {
     nlohmann::json markers = nlohmann::json::array();
     for (const replay::Marker& marker : recording.markers)
         markers.push_back({{"tick", marker.tick}, {"comment", marker.comment}});
@@ -72,11 +74,13 @@ void print_json(const replay::Recording& recording, std::uint64_t played, double
             {"tick", divergence->tick}, {"entity", nullptr}, {"description", divergence->description}};
         if (divergence->entity) json["divergence"]["entity"] = *divergence->entity;
     }
-    if (!frame_ms.empty())
-        json["frame_ms"] = {{"frames", frame_ms.size()},
-                            {"median", median_of(frame_ms)},
-                            {"p99", quantile_of(frame_ms, 0.99)},
-                            {"max", *std::max_element(frame_ms.begin(), frame_ms.end())}};
+    if (frames != nullptr && frames->frames() > 0)
+        json["frame_ms"] = {{"frames", frames->frames()},
+                            {"median", frames->quantile_ms(0.5)},
+                            {"p99", frames->quantile_ms(0.99)},
+                            {"max", frames->worst_ms()},
+                            {"coarser_share", frames->coarser_share()},
+                            {"coarsest", frames->coarsest()}};
     std::printf("%s\n", json.dump(1).c_str());
 }
 
@@ -97,11 +101,14 @@ Status run_replay(const ReplayOptions& options) {
     if (options.bench || !options.video.empty()) drawer.emplace(options, *world);
     if (!options.video.empty()) FF_TRY(drawer->open_video(options));
     const std::uint64_t end = std::min<std::uint64_t>(options.until.value_or(UINT64_MAX), recording.commands.size());
-    double tick_s = 0.0;
+    double tick_s = 0.0, tick_s_of_frame = 0.0;
     {
         Progress progress("replaying", end);
         while (session->tick() < end && !(options.verify && session->divergence())) {
-            if (drawer && session->tick() % kTicksPerFrame == 0) FF_TRY(drawer->draw(session->game()));
+            if (drawer && session->tick() % kTicksPerFrame == 0) {
+                FF_TRY(drawer->draw(session->game(), tick_s - tick_s_of_frame));
+                tick_s_of_frame = tick_s;
+            }
             const Stopwatch clock;
             session->step();
             tick_s += clock.seconds();
@@ -111,17 +118,14 @@ Status run_replay(const ReplayOptions& options) {
     if (drawer) FF_TRY(drawer->close());
     if (!options.picture.empty()) {
         if (!drawer) drawer.emplace(options, *world);
-        FF_TRY(drawer->draw(session->game()));
+        FF_TRY(drawer->draw(session->game(), 0.0));
         FF_TRY(write_image(options.picture, drawer->image()));
     }
     const double tick_us = 1e6 * tick_s / double(std::max<std::uint64_t>(1, session->tick()));
     if (options.json)
-        print_json(recording, session->tick(), tick_us, session->divergence(),
-                   drawer ? drawer->frame_ms() : std::vector<double>{});
+        print_json(recording, session->tick(), tick_us, session->divergence(), drawer ? &drawer->log() : nullptr);
     log_info("{} of {} ticks, {:.1f} us each", session->tick(), recording.commands.size(), tick_us);
-    if (drawer)
-        log_info("{} frames: median {:.2f} ms, 99th percentile {:.2f}", drawer->frame_ms().size(),
-                 median_of(drawer->frame_ms()), quantile_of(drawer->frame_ms(), 0.99));
+    if (drawer) log_info("{}", drawer->log().to_text());
     log_info("{}", session->game().status());
     for (const replay::Marker& marker : recording.markers) log_info("tick {}: {}", marker.tick, marker.comment);
     if (session->divergence()) {
