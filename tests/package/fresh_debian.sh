@@ -41,6 +41,7 @@ fi
 root=$work/root
 mkdir "$root"
 tar -C "$root" -xf "$base"
+chmod 755 "$root" # apt fetches as a user of its own
 # This machine's mirrors and how to reach them.
 rm -rf "$root"/etc/apt/sources.list "$root"/etc/apt/sources.list.d "$root"/etc/apt/apt.conf.d
 cp -a /etc/apt/apt.conf.d "$root/etc/apt/"
