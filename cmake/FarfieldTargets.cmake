@@ -18,6 +18,8 @@ endif()
 
 # Baseline of the binaries. Hot kernels choose AVX2 or AVX-512 at run time through Highway.
 add_compile_options(-march=x86-64-v2 -ffp-contract=off)
+# Messages name files as they lie in the sources; where those lay when this was built is nobody's business.
+add_compile_options(-fmacro-prefix-map=${PROJECT_SOURCE_DIR}/=)
 
 set(FF_WARNINGS -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion -Wnon-virtual-dtor
                 -Woverloaded-virtual -Wno-missing-field-initializers -Werror)

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "engine/host/first_person.h"
 #include "game/beacons/rules.h"
 #include "game/beacons/state.h"
 #include "game/beacons/winner.h"
@@ -61,11 +62,14 @@ class BeaconsGame final : public host::Game {
     State state_;
 };
 
-loop::Action action(std::string name, std::initializer_list<const char*> triggers) {
-    loop::Action made{.name = std::move(name)};
-    std::size_t i = 0;
-    for (const char* trigger : triggers) made.triggers[i++] = *loop::parse_trigger(trigger);
-    return made;
+/// How to walk, and what else can be done, in the order of Button.
+std::vector<loop::Action> actions() {
+    std::vector<loop::Action> all = host::walking_actions();
+    all.push_back(host::action("jump", {"space", "pad a"}));
+    all.push_back(host::action("run", {"left shift", "pad left thumb"}));
+    all.push_back(host::action("use", {"e", "pad x"}));
+    all.push_back(host::action("spyglass", {"mouse right", "f", "pad left bumper"}));
+    return all;
 }
 
 }  // namespace
@@ -80,9 +84,7 @@ const host::GameInfo& game_info() {
             "and light them all before the last light is gone.",
         .save_version = kSaveVersion,
         .fov = kFov,
-        .actions = {action("ahead", {"w"}), action("back", {"s"}), action("left", {"a"}), action("right", {"d"}),
-                    action("jump", {"space", "pad a"}), action("run", {"left shift", "pad left thumb"}),
-                    action("use", {"e", "pad x"}), action("spyglass", {"mouse right", "f", "pad left bumper"})},
+        .actions = actions(),
         .begin = [](const scene::World& world, std::uint64_t seed) -> Result<std::unique_ptr<host::Game>> {
             auto game = std::make_unique<BeaconsGame>(world, seed);
             FF_TRY(game->begin());

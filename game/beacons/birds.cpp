@@ -38,9 +38,9 @@ Vec3 pull_on(const Vec3& from_home, const Bird& bird, std::span<const Vec3> plac
 }
 
 void move_birds(ecs::SystemContext& context) {
-    context.each_chunk<ecs::LocalTransform, Before, Bird, const Model>(
+    context.each_chunk<ecs::LocalTransform, Before, Bird, const host::ShownModel>(
         [&](std::span<const ecs::Entity>, std::span<ecs::LocalTransform> at, std::span<Before> before,
-            std::span<Bird> birds, std::span<const Model> models) {
+            std::span<Bird> birds, std::span<const host::ShownModel> models) {
             constexpr std::size_t kMost = 256;
             const std::size_t count = std::min(birds.size(), kMost);
             std::array<Vec3, kMost> places;
@@ -62,7 +62,8 @@ void move_birds(ecs::SystemContext& context) {
 }  // namespace
 
 void add_bird_system(ecs::Schedule& schedule) {
-    schedule.add("birds", ecs::Access().write<ecs::LocalTransform, Before, Bird>().read<Model>(), move_birds);
+    schedule.add("birds", ecs::Access().write<ecs::LocalTransform, Before, Bird>().read<host::ShownModel>(),
+                 move_birds);
 }
 
 }  // namespace ff::beacons

@@ -1,17 +1,13 @@
 // The player walks, looks, and raises the spyglass.
 
 #include <cmath>
-#include <glm/geometric.hpp>
 
+#include "engine/host/first_person.h"
 #include "engine/physics/systems.h"
 #include "game/beacons/rules.h"
 #include "game/beacons/state.h"
 
 namespace ff::beacons {
-
-glm::quat turn_of(double yaw) {
-    return glm::angleAxis(float(-yaw), Vec3(0.0f, 1.0f, 0.0f));
-}
 
 DVec3 look_direction(const PlayerView& view) {
     const double yaw = view.yaw_urad * 1e-6, pitch = view.pitch_urad * 1e-6;
@@ -33,13 +29,7 @@ void move_player(ecs::SystemContext& context) {
     const double wished = command.held(kSpyglass) ? kSpyglassFov : kFov;
     view.fov *= std::exp(std::log(wished / view.fov) * 7.0 * kTick);
 
-    const double yaw = command.yaw_urad * 1e-6;
-    Vec3 wish(float(command.move_right), 0.0f, float(-command.move_ahead));
-    wish /= float(loop::UserCommand::kFull);
-    if (const float length = glm::length(wish); length > 1.0f) wish /= length;
     const bool runs = command.held(kRun) && !command.held(kSpyglass);
-    wish *= runs ? kRunning : kWalk;
-    const auto sin = float(std::sin(yaw)), cos = float(std::cos(yaw));
     const ecs::Entity player = context.resource<const Surroundings>().level->player;
     const auto& at = *context.get<const ecs::LocalTransform>(player);
     *context.get<Before>(player) = {at.position, at.rotation};
@@ -51,9 +41,7 @@ void move_player(ecs::SystemContext& context) {
     const scene::StaticScene& scene = context.resource<const Surroundings>().level->world->scene();
     // It can only be refused for a position that is no number, and this one has been stood upon.
     if (state.position.y < scene.bounds.low.y - kAbyss) (void)physics.set_position(walker->id, footing->feet);
-    walker->input = {.velocity_m_s = {wish.x * cos - wish.z * sin, 0.0f, wish.x * sin + wish.z * cos},
-                     .jump = command.held(kJump),
-                     .crouch = false};
+    walker->input = host::walking_input(command, runs ? kRunning : kWalk, command.held(kJump));
 }
 
 }  // namespace

@@ -90,11 +90,6 @@ class Populator {
                               Footing{at.position});
     }
 
-    Model model_of(const NamedPlace& place) const {
-        return {place.first_instance, place.instance_count, place.first_animated,
-                place.animated_count, place.position,       turn_of(place.yaw)};
-    }
-
     void add_beacons() {
         for (const NamedPlace* place : places_called(world_, "beacon"))
             s_.level.beacons.push_back(add(place->name, standing_at(place->position, place->yaw),
@@ -112,8 +107,8 @@ class Populator {
             const PathPoint start = point_on(path, 0.0);
             const auto index = std::uint32_t(s_.level.paths.size());
             s_.level.paths.push_back(std::move(path));
-            s_.level.travellers.push_back(add(place->name, standing_at(start.position, start.yaw), model_of(*place),
-                                              Traveller{index, 0.0, speed_m_s, bob_m}));
+            s_.level.travellers.push_back(add(place->name, standing_at(start.position, start.yaw),
+                                              host::model_of(*place), Traveller{index, 0.0, speed_m_s, bob_m}));
         }
         return {};
     }
@@ -126,7 +121,7 @@ class Populator {
                 const DVec3 offset(9.0 * std::cos(angle), 2.0 * std::sin(3.0 * angle), 9.0 * std::sin(angle));
                 const Vec3 velocity(float(-7.0 * std::sin(angle)), 0.0f, float(7.0 * std::cos(angle)));
                 s_.level.birds.push_back(add(fmt::format("bird {} of {}", i + 1, place->name),
-                                             standing_at(place->position + offset, 0.0), model_of(*place),
+                                             standing_at(place->position + offset, 0.0), host::model_of(*place),
                                              Bird{velocity, flock}));
             }
             ++flock;
@@ -135,7 +130,7 @@ class Populator {
 
     Status add_gates() {
         for (const NamedPlace* place : places_called(world_, "gate")) {
-            const ecs::Entity gate = add(place->name, standing_at(place->position, place->yaw), model_of(*place),
+            const ecs::Entity gate = add(place->name, standing_at(place->position, place->yaw), host::model_of(*place),
                                          Gate{.closed_yaw = place->yaw});
             s_.level.gates.push_back(gate);
             for (std::uint32_t i = 0; i < std::min(1u, place->instance_count); ++i) {

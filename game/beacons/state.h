@@ -8,7 +8,7 @@
 #include "engine/core/result.h"
 #include "engine/ecs/schedule.h"
 #include "engine/ecs/transform_hierarchy.h"
-#include "engine/host/game.h"
+#include "engine/host/shown_model.h"
 #include "engine/physics/physics_world.h"
 #include "engine/scene/world.h"
 #include "game/beacons/components.h"
@@ -22,8 +22,8 @@ struct Level {
     std::vector<Path> paths;
     std::vector<ecs::Entity> beacons, travellers, birds, gates;  ///< in the order of their names
     ecs::Entity player;
-    std::vector<std::string> names;  ///< by entity index
-    std::vector<Model> scenery;      ///< what may move but has no name: it stays where the world has it
+    std::vector<std::string> names;         ///< by entity index
+    std::vector<host::ShownModel> scenery;  ///< what may move but has no name: it stays where the world has it
 };
 
 // Resources: what systems share.
@@ -81,8 +81,7 @@ void add_beacon_system(ecs::Schedule& schedule);
 
 /// Where the sun stands at a tick.
 [[nodiscard]] host::SunPosition sun_at(std::uint64_t tick);
-/// A rotation by a yaw.
-[[nodiscard]] glm::quat turn_of(double yaw);
+using host::turn_of;
 /// The way somebody looks, unit.
 [[nodiscard]] DVec3 look_direction(const PlayerView& view);
 /// Metres above the feet.

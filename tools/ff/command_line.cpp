@@ -8,6 +8,7 @@
 #include "engine/core/log.h"
 #include "engine/effects/registry.h"
 #include "tools/ff/commands.h"
+#include "tools/ff/describe_command_line.h"
 #include "tools/ff/heap_counter.h"
 #include "tools/ff/modes.h"
 
@@ -25,8 +26,8 @@ const std::map<std::string, frame::OpacityKind> kOpacityKinds{{"auto", frame::Op
 const std::map<std::string, frame::SunShadows> kSunShadows{
     {"scene", frame::SunShadows::by_scene}, {"off", frame::SunShadows::off}, {"on", frame::SunShadows::on}};
 
-const std::map<std::string, AutoPlayerKind> kAutoPlayers{{"random", AutoPlayerKind::random},
-                                                         {"winner", AutoPlayerKind::winner}};
+const std::map<std::string, host::AutoPlayerKind> kAutoPlayers{{"random", host::AutoPlayerKind::random},
+                                                               {"winner", host::AutoPlayerKind::winner}};
 
 /// WIDTHxHEIGHT, both in [16, 8192].
 std::string parse_size(const std::string& text, ImageSize& size) {
@@ -331,6 +332,24 @@ int run(int argc, const char* const* argv) {
         ->check(number_in(0.0, 1e5));
     add_size_and_threads(*replay_app, replay.size, replay.threads);
 
+    NewOptions new_game;
+    auto* new_app = app.add_subcommand("new", "Make a new game from the template");
+    new_app->add_option("DIR", new_game.folder, "Folder to make; it must not be there, or be empty")->required();
+    new_app->add_option("--name", new_game.name,
+                        "Of program and package: lower-case letters, digits, dashes; default: the folder's");
+
+    PackageOptions package;
+    auto* package_app = app.add_subcommand("package", "Build a game and make a .deb and a .tar.gz of it");
+    package_app->add_option("GAME_DIR", package.game, "Folder of the game, with its CMakeLists.txt")->required();
+    package_app->add_option("-o,--output", package.output, "Folder for the packages")->required();
+    package_app->add_option("--jobs", package.jobs, "Compilers at a time; 0: as many as the machine has")
+        ->check(CLI::Range(0, 1024));
+
+    auto* man_app = app.add_subcommand("man", "Print ff's manual page");
+    std::string shell;
+    auto* completion_app = app.add_subcommand("completion", "Print completion for a shell");
+    completion_app->add_option("SHELL", shell, "bash or zsh")->required()->check(CLI::IsMember({"bash", "zsh"}));
+
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {
@@ -354,6 +373,10 @@ int run(int argc, const char* const* argv) {
     if (*replay_app) status = with_workers(replay.threads, [&] { return run_replay(replay); });
     if (*stats_app) status = with_workers(stats.view.threads, [&] { return run_stats(stats); });
     if (*hardcases_app) status = run_hardcases(hardcases);
+    if (*new_app) status = run_new(new_game);
+    if (*package_app) status = run_package(package);
+    if (*man_app) std::fputs(manual_page(app).c_str(), stdout);
+    if (*completion_app) std::fputs((shell == "bash" ? bash_completion(app) : zsh_completion(app)).c_str(), stdout);
     if (*accuracy_app) status = with_workers(accuracy.view.threads, [&] { return run_accuracy(accuracy); });
     if (status) return 0;
     log_line("ff: error: ", status.error().message);

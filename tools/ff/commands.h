@@ -9,6 +9,7 @@
 
 #include "engine/core/result.h"
 #include "engine/frame/settings.h"
+#include "engine/host/play_alone.h"
 
 namespace ff::tool {
 
@@ -97,17 +98,22 @@ struct AccuracyOptions {
 };
 Status run_accuracy(const AccuracyOptions& options);
 
-enum class AutoPlayerKind { none, random, winner };
 struct PlayOptions {
     std::string pack;              ///< or a source
     std::filesystem::path folder;  ///< of settings, saves and recordings; empty: the player's own
     std::optional<double> budget_ms;
     std::uint64_t seed = 1;
     bool skip_title = false, record = true;
+<<<<<<< HEAD
     AutoPlayerKind player = AutoPlayerKind::none;  ///< headless, as fast as it goes
     double minutes = 20.0;                         ///< of game time, at most, for an auto player
     std::filesystem::path recording;               ///< that it writes; empty: into the folder
     std::filesystem::path shaders;                 ///< folder of GLSL files instead of the built-in ones; watched
+=======
+    std::optional<host::AutoPlayerKind> player;  ///< headless, as fast as it goes
+    double minutes = 20.0;                       ///< of game time, at most, for an auto player
+    std::filesystem::path recording;             ///< that it writes; empty: into the folder
+>>>>>>> c90d23f75368d1ab43794b4a7bf82b935a0d0be1
 };
 /// The sample game.
 Status run_play(const PlayOptions& options);
@@ -124,5 +130,19 @@ struct ReplayOptions {
 };
 /// Errors: bad input; limit where --verify finds a difference.
 Status run_replay(const ReplayOptions& options);
+
+struct NewOptions {
+    std::filesystem::path folder;  ///< to make
+    std::string name;              ///< of program and package; empty: after the folder
+};
+/// Errors: the folder holds something; a name that no package can have.
+Status run_new(const NewOptions& options);
+
+struct PackageOptions {
+    std::filesystem::path game, output;
+    int jobs = 0;
+};
+/// Errors: no game there; what CMake, the compiler or the packer refuses (they say why).
+Status run_package(const PackageOptions& options);
 
 }  // namespace ff::tool
