@@ -104,16 +104,10 @@ struct PlayOptions {
     std::optional<double> budget_ms;
     std::uint64_t seed = 1;
     bool skip_title = false, record = true;
-<<<<<<< HEAD
-    AutoPlayerKind player = AutoPlayerKind::none;  ///< headless, as fast as it goes
-    double minutes = 20.0;                         ///< of game time, at most, for an auto player
-    std::filesystem::path recording;               ///< that it writes; empty: into the folder
-    std::filesystem::path shaders;                 ///< folder of GLSL files instead of the built-in ones; watched
-=======
     std::optional<host::AutoPlayerKind> player;  ///< headless, as fast as it goes
     double minutes = 20.0;                       ///< of game time, at most, for an auto player
     std::filesystem::path recording;             ///< that it writes; empty: into the folder
->>>>>>> c90d23f75368d1ab43794b4a7bf82b935a0d0be1
+    std::filesystem::path shaders;               ///< folder of GLSL files instead of the built-in ones; watched
 };
 /// The sample game.
 Status run_play(const PlayOptions& options);
