@@ -64,7 +64,7 @@ cp "$tool/fresh_debian_inside.sh" "$root/tmp/"
 
 env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/tmp LANG=C.UTF-8 BUILD_PATH="$(cd "$build" && pwd)" \
   SOURCE_PATH="$(cd "$tool/../.." && pwd)" ${http_proxy:+http_proxy="$http_proxy"} ${https_proxy:+https_proxy="$https_proxy"} \
-  chroot "$root" /tmp/fresh_debian_inside.sh
+  MESA_SHADER_CACHE_DISABLE=true chroot "$root" /tmp/fresh_debian_inside.sh
 step "done"
 umount -l "$root"/tmp "$root"/proc "$root"/dev "$root"/sys
 rm -rf --one-file-system "$root"
