@@ -174,12 +174,14 @@ void Player::open(Menu menu) {
     menu_ = menu;
     std::error_code ignored;
     menu_text_ = {.title = menu == Menu::pause ? "Pause" : info_.title,
-                  .text = menu == Menu::title   ? info_.intro
-                          : menu == Menu::pause ? "F1 frame times   F2 comment in the recording   F12 picture"
-                                                : "",
+                  .text = menu == Menu::title ? info_.intro : "",
                   .notice = "",
                   .can_load = std::filesystem::exists(save_path(), ignored) ||
                               std::filesystem::exists(loop::previous_save(save_path()), ignored)};
+    if (menu == Menu::pause) {
+        menu_text_.text = "F1 frame times   F2 comment in the recording";
+        if (options_.write_picture) menu_text_.text += "   F12 picture";
+    }
     if (menu != Menu::end) return;
     menu_text_.title = session_->game().stage() == Stage::won ? "Well done" : "Night";
     menu_text_.text = session_->game().end_text();

@@ -2,7 +2,7 @@
 # fresh_debian.sh CMAKE_BUILD_DIR WORK_DIR
 # Packs this build, installs the .debs in a minimal Debian of its own with apt, and does there what their users do: plays the game
 # without a window, cooks and draws a scene, makes a new game, builds, tests and packs that. Then removes them: nothing is left.
-# Ends with 77 (not run) where there is no root, debootstrap or permission to mount. DEBIAN_ROOT_CACHE: folder that keeps the base
+# Ends with 77 (not run) where there is no root, debootstrap, permission to mount or answer of a Debian mirror. DEBIAN_ROOT_CACHE: folder that keeps the base
 # system from run to run (the user's cache).
 set -euo pipefail
 build=$1 work=$2
@@ -34,7 +34,12 @@ if [ ! -f "$base" ]; then
            awk -v r="$release" '$2 == r && $3 == "main" {print $1; exit}')
   fresh=$(mktemp -d "$cache/base.XXXX")
   debootstrap --variant=minbase "$release" "$fresh" "${mirror:-http://deb.debian.org/debian}" >"$work/debootstrap.log" 2>&1 ||
-    { tail -5 "$work/debootstrap.log"; rm -rf --one-file-system "$fresh"; exit 1; }
+    {
+      tail -5 "$work/debootstrap.log"
+      rm -rf --one-file-system "$fresh"
+      grep -q "Failed getting release file\|Couldn't download" "$work/debootstrap.log" && not_here "the Debian mirror does not answer"
+      exit 1
+    }
   tar -C "$fresh" -cf "$base.part" . && mv "$base.part" "$base"
   rm -rf --one-file-system "$fresh"
 fi
@@ -52,14 +57,14 @@ cp -a /usr/share/keyrings/. "$root/usr/share/keyrings/"
 cp -L /etc/resolv.conf /etc/hosts "$root/etc/"
 mkdir -p "$root/etc/ssl/certs"
 cp -aL /etc/ssl/certs/. "$root/etc/ssl/certs/" 2>/dev/null || true
-for folder in proc dev sys; do mount --rbind "/$folder" "$root/$folder"; done
-mount -t tmpfs tmpfs "$root/tmp"
+for folder in proc dev sys; do mount --rbind "/$folder" "$root/$folder" || not_here "cannot mount /$folder in a root of its own"; done
+mount -t tmpfs tmpfs "$root/tmp" || not_here "cannot mount a tmpfs"
 cp "${debs[@]}" "$root/tmp/"
 cp "$tool/fresh_debian_inside.sh" "$root/tmp/"
 
 env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/tmp LANG=C.UTF-8 BUILD_PATH="$(cd "$build" && pwd)" \
   SOURCE_PATH="$(cd "$tool/../.." && pwd)" ${http_proxy:+http_proxy="$http_proxy"} ${https_proxy:+https_proxy="$https_proxy"} \
-  chroot "$root" /tmp/fresh_debian_inside.sh
+  MESA_SHADER_CACHE_DISABLE=true chroot "$root" /tmp/fresh_debian_inside.sh
 step "done"
 umount -l "$root"/tmp "$root"/proc "$root"/dev "$root"/sys
 rm -rf --one-file-system "$root"
