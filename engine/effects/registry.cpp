@@ -20,6 +20,8 @@ constexpr std::array<Effect, kEffectCount> kEffects{{
      "a hierarchy of sun boxes, a byte a pixel, rays towards the sun", "", decide_sun_shadows},
     {EffectId::transparency, "transparency", "blended materials near the viewer",
      "two buffers of the image's size, a search for layers", "BLEND", decide_transparency},
+    {EffectId::water, "water", "[terrain] water_m, near the viewer",
+     "five trains of waves by pixel of water, which no panorama keeps", "", decide_water},
 }};
 
 constexpr bool is_in_order() {

@@ -4,6 +4,7 @@
 #include <optional>
 #include <span>
 #include <string_view>
+#include <vector>
 
 #include "engine/effects/effect.h"
 #include "engine/effects/lamp_grid.h"
@@ -16,7 +17,11 @@ namespace ff::effects {
 struct SceneFacts {
     const farfield::LayerIndex* layer_index = nullptr;  ///< where blended triangles are; nullptr: nowhere
     const LampGrid* lamps = nullptr;                    ///< nullptr: there are none
+    std::span<const DBox3> water;                       ///< around what holds open water
 };
+
+/// Boxes around the instances that hold open water.
+[[nodiscard]] std::vector<DBox3> find_water(const scene::StaticScene& scene);
 
 /// What decisions read: the scene, this frame's light and air, the viewer, and what the user wants.
 struct Conditions {
@@ -58,5 +63,6 @@ struct Effect {
 [[nodiscard]] Decision decide_snow(const Conditions& conditions);
 [[nodiscard]] Decision decide_sun_shadows(const Conditions& conditions);
 [[nodiscard]] Decision decide_transparency(const Conditions& conditions);
+[[nodiscard]] Decision decide_water(const Conditions& conditions);
 
 }  // namespace ff::effects

@@ -20,6 +20,8 @@ namespace ff::farfield::sun {
 
 constexpr std::uint32_t kDepthBits = 0xFFFFF000u;
 constexpr std::uint32_t kLitBit = 1u << 8;
+/// None of the eight round it sees more or less of the sun: set over whole frames, once all is known.
+constexpr std::uint32_t kSettledBit = 1u << 9;
 constexpr std::uint32_t kAgeBits = 0xFFu;
 /// Columns of the block of depths round a tile: a border pixel on each side.
 constexpr int kBlockStride = kTileSize + 2;
@@ -96,7 +98,7 @@ struct Corners {
     hn::Vec<I> x0, x1, y0, y1;
 };
 
-/// Reads words round the points: as they lie in memory where the points follow each other as the pixels do, which is
+/// Reads words at the corners: as they lie in memory where the points follow each other as the pixels do, which is
 /// nearly everywhere.
 class WordsAround {
   public:
@@ -109,34 +111,19 @@ class WordsAround {
         const auto follow = hn::And(hn::Eq(low, in_row), hn::And(hn::Eq(hn::Sub(c.x1, c.x0), hn::Set(si, right_)),
                                                                  hn::Eq(hn::Sub(c.y1, c.y0), hn::Set(si, down_))));
         follows_ = hn::AllTrue(si, follow);
-        const std::int32_t row = hn::GetLane(c.y0), column = hn::GetLane(c.x0);
-        has_margin_ = column > 0 && column + int(hn::Lanes(si)) + 1 < r.width && row > 0 &&
-                      row + down_ < (r.height - 1) * r.stride;
     }
-    /// Column 0 to 3 and row 0 to 3 of the block of 4 x 4 round each point, whose inner four are its corners; beyond
-    /// the image that of its border.
-    template <int column, int row>
+    /// The corner in the left or right column and the upper or lower row.
+    template <bool right, bool lower>
     HWY_INLINE VU at() const {
-        constexpr bool inner = (column == 1 || column == 2) && (row == 1 || row == 2);
-        if (follows_ && (inner || has_margin_)) {
-            const std::int32_t dx = column < 2 ? column - 1 : right_ + column - 2;
-            const std::int32_t dy = row < 2 ? (row - 1) * r_.stride : down_ + (row - 2) * r_.stride;
-            return hn::LoadU(ui, r_.words + first_ + dx + dy);
-        }
-        auto x = column < 2 ? c_.x0 : c_.x1, y = row < 2 ? c_.y0 : c_.y1;
-        const auto zero = hn::Zero(si), stride = hn::Set(si, r_.stride);
-        if (column == 0) x = hn::Max(hn::Sub(x, hn::Set(si, 1)), zero);
-        if (column == 3) x = hn::Min(hn::Add(x, hn::Set(si, 1)), hn::Set(si, r_.width - 1));
-        if (row == 0) y = hn::Max(hn::Sub(y, stride), zero);
-        if (row == 3) y = hn::Min(hn::Add(y, stride), hn::Set(si, (r_.height - 1) * r_.stride));
-        return hn::GatherIndex(ui, r_.words, hn::Add(y, x));
+        if (follows_) return hn::LoadU(ui, r_.words + first_ + (right ? right_ : 0) + (lower ? down_ : 0));
+        return hn::GatherIndex(ui, r_.words, hn::Add(lower ? c_.y1 : c_.y0, right ? c_.x1 : c_.x0));
     }
 
   private:
     const Reprojection& r_;
     const Corners& c_;
     std::int32_t first_, right_, down_;
-    bool follows_, has_margin_;
+    bool follows_;
 };
 
 /// Asks the last frame about a vector of pixels and keeps what it answers.
@@ -191,34 +178,16 @@ HWY_INLINE std::uint32_t reuse_lanes(const Reprojection& r, const Tile& tile, in
         any = hn::Or(any, word);
         age = hn::Max(age, hn::And(word, hn::Set(ui, kAgeBits)));
     };
-    ask(words.at<1, 1>());
-    ask(words.at<2, 1>());
-    ask(words.at<1, 2>());
-    ask(words.at<2, 2>());
+    ask(words.at<false, false>());
+    ask(words.at<true, false>());
+    ask(words.at<false, true>());
+    ask(words.at<true, true>());
     const VU lit_bit = hn::Set(ui, kLitBit), light = hn::And(all, lit_bit);
     good = hn::And(good, hn::RebindMask(f, hn::Eq(light, hn::And(any, lit_bit))));
-    if (hn::AllFalse(f, good)) return 0;
-
     // Those round them must agree, too, or the light may change within a pixel; unless the point is a pixel's own.
-    VU differ = hn::Zero(ui);
-    const auto compare = [&](VU word) HWY_ATTR {
-        const VU other = hn::And(hn::Xor(word, light), lit_bit);
-        differ = hn::Or(differ, hn::IfThenElseZero(hn::Ne(word, hn::Zero(ui)), other));
-    };
-    compare(words.at<0, 0>());
-    compare(words.at<1, 0>());
-    compare(words.at<2, 0>());
-    compare(words.at<3, 0>());
-    compare(words.at<0, 1>());
-    compare(words.at<3, 1>());
-    compare(words.at<0, 2>());
-    compare(words.at<3, 2>());
-    compare(words.at<0, 3>());
-    compare(words.at<1, 3>());
-    compare(words.at<2, 3>());
-    compare(words.at<3, 3>());
     const auto on_pixel = hn::And(hn::Eq(corners.x0, corners.x1), hn::Eq(corners.y0, corners.y1));
-    good = hn::And(good, hn::Or(hn::RebindMask(f, on_pixel), hn::RebindMask(f, hn::Eq(differ, hn::Zero(ui)))));
+    const auto settled = hn::Ne(hn::And(all, hn::Set(ui, kSettledBit)), hn::Zero(ui));
+    good = hn::And(good, hn::Or(hn::RebindMask(f, on_pixel), hn::RebindMask(f, settled)));
     const std::uint32_t found = bits_of(good) & wanted;
     if (found == 0) return 0;
 
@@ -259,6 +228,34 @@ void reuse_row(const Reprojection& r, Tile& tile, int j) {
 
 }  // namespace
 
+/// Sets kSettledBit in one row of words. Rows above and below are the row itself at the image's border.
+void SettleRow(const std::uint32_t* above, std::uint32_t* row, const std::uint32_t* below, int width) {
+    const std::uint32_t* const rows[3] = {above, row, below};
+    const VU lit_bit = hn::Set(ui, kLitBit), zero = hn::Zero(ui);
+    const int lanes = int(hn::Lanes(f));
+    const auto settle_one = [&](int x) {
+        bool agree = row[x] != 0;
+        for (const std::uint32_t* const at : rows)
+            for (int i = std::max(0, x - 1); i <= std::min(width - 1, x + 1); ++i)
+                agree &= at[i] == 0 || ((at[i] ^ row[x]) & kLitBit) == 0;
+        if (agree) row[x] |= kSettledBit;
+    };
+    int x = 1;
+    if (width > 0) settle_one(0);
+    for (; x + lanes < width; x += lanes) {
+        const VU own = hn::LoadU(ui, row + x);
+        VU differ = zero;
+        for (const std::uint32_t* const at : rows)
+            for (int i = x - 1; i <= x + 1; ++i) {
+                const VU word = hn::LoadU(ui, at + i);
+                differ = hn::Or(differ, hn::IfThenElseZero(hn::Ne(word, zero), hn::Xor(word, own)));
+            }
+        const auto agree = hn::And(hn::Eq(hn::And(differ, lit_bit), zero), hn::Ne(own, zero));
+        hn::StoreU(hn::Or(own, hn::IfThenElseZero(agree, hn::Set(ui, kSettledBit))), ui, row + x);
+    }
+    for (; x < width; ++x) settle_one(x);
+}
+
 void ReuseTiles(const Reprojection& r, std::span<Tile> tiles) {
     // Row by row over neighbours: memory is read as it lies, which the processor sees coming.
     for (int j = 0; j < kTileSize; ++j)
@@ -274,8 +271,12 @@ HWY_AFTER_NAMESPACE();
 namespace ff::farfield {
 namespace sun {
 HWY_EXPORT(ReuseTiles);
+HWY_EXPORT(SettleRow);
 void reuse_tiles(const Reprojection& reprojection, std::span<Tile> tiles) {
     HWY_DYNAMIC_DISPATCH(ReuseTiles)(reprojection, tiles);
+}
+void settle_row(const std::uint32_t* above, std::uint32_t* row, const std::uint32_t* below, int width) {
+    HWY_DYNAMIC_DISPATCH(SettleRow)(above, row, below, width);
 }
 }  // namespace sun
 
@@ -418,7 +419,21 @@ void SunHistory::commit(const SunHistoryInput& input, std::span<const TileReques
             }
         }
     });
+    settle();
     std::swap(last_, current_);
+}
+
+void SunHistory::settle() {
+    const auto row_at = [&](int y) { return current_.words.data() + std::size_t(y) * std::size_t(current_.stride); };
+    const int last = current_.height - 1;
+    // Every other row at a time: a row is read by its neighbours.
+    for (int turn = 0; turn < 2; ++turn)
+        parallel_ranges(std::size_t((current_.height + 1 - turn) / 2), kTilesPerTask,
+                        [&](std::size_t begin, std::size_t end) {
+                            for (int y = 2 * int(begin) + turn; y < 2 * int(end) + turn; y += 2)
+                                sun::settle_row(row_at(std::max(y - 1, 0)), row_at(y), row_at(std::min(y + 1, last)),
+                                                current_.width);
+                        });
 }
 
 int SunHistory::age(int x, int y) const {

@@ -55,7 +55,8 @@ class SunHistory {
     void clear() { last_.width = 0; }
 
   private:
-    /// One pixel a word, row-major: float32 depth without its 12 lowest bits, then kLitBit, then the age. 0: nothing.
+    /// One pixel a word, row-major: float32 depth without its 12 lowest bits, then kSettledBit and kLitBit, then
+    /// the age. 0: nothing.
     struct Records {
         int width = 0, height = 0, stride = 0;
         ZeroPageVector<std::uint32_t> words;
@@ -63,6 +64,8 @@ class SunHistory {
     };
 
     void begin_frame(const SunHistoryInput& input);
+    /// Notes which pixels of the frame agree with those round them.
+    void settle();
 
     Records last_, current_;
     Vec3 to_sun_{0.0f};

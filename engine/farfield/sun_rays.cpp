@@ -97,6 +97,22 @@ CastCost SunRays::cast(const PinholeView& view, const VisibilityBuffer& visibili
     return shared.total();
 }
 
+void SunRays::begin_tiles(std::span<const scene::Instance> dynamic, const Vec3& to_sun) {
+    (void)moving(dynamic);
+    to_sun_ = to_sun;
+}
+
+CastCost SunRays::cast_tile(const PinholeView& view, const VisibilityBuffer& visibility, const TileRequest& tile,
+                            std::uint8_t* lit) const {
+    const LightFrame light(to_sun_);
+    CastCost cost;
+    KnownOccluders known;
+    PointPool pool;
+    gather_tile(scene_, moving_.instances, view, light, visibility, tile, lit, pool);
+    cast_pool(scene_, moving_, pool, view.position, light, known, lit, cost);
+    return cost;
+}
+
 CastCost SunRays::cast_points(const WorldPos& origin, std::span<const SunPoint> points,
                               std::span<const scene::Instance> dynamic, const Vec3& to_sun, std::uint8_t* lit) {
     const scene::StaticScene& others = moving(dynamic);

@@ -63,6 +63,13 @@ class SunRays {
     CastCost cast_points(const WorldPos& origin, std::span<const SunPoint> points,
                          std::span<const scene::Instance> dynamic, const Vec3& to_sun, std::uint8_t* lit);
 
+    /// Makes ready for cast_tile().
+    /// @param dynamic  as in cast(); has to outlive the calls
+    void begin_tiles(std::span<const scene::Instance> dynamic, const Vec3& to_sun);
+    /// As cast(), for one tile. Unlike it, any workers may call this at once, for tiles of their own.
+    CastCost cast_tile(const PinholeView& view, const VisibilityBuffer& visibility, const TileRequest& tile,
+                       std::uint8_t* lit) const;
+
   private:
     // The scene with these instances, and a tree over them, in place of its own.
     [[nodiscard]] const scene::StaticScene& moving(std::span<const scene::Instance> dynamic);
@@ -70,6 +77,7 @@ class SunRays {
     scene::StaticScene scene_;
     scene::StaticScene moving_;
     std::vector<scene::BvhNode> moving_nodes_;
+    Vec3 to_sun_{0.0f, 1.0f, 0.0f};  // of cast_tile()
 };
 
 }  // namespace ff::farfield

@@ -39,7 +39,7 @@ constexpr std::array kReprojectCounts{KnobValue{7}, KnobValue{5}, KnobValue{3}, 
 constexpr std::array kReprojectPeriods{KnobValue{4}, KnobValue{9}, KnobValue{16}, KnobValue{0, "never"}};
 constexpr std::array kReprojectSurfaces{KnobValue{0.01, "1%"}, KnobValue{0.05, "5%"}, KnobValue{0.2, "20%"}};
 constexpr std::array kReprojectVotes{KnobValue{1, "primitive"}, KnobValue{0, "surface"}, KnobValue{2, "any"}};
-constexpr std::array kReprojectBackground{KnobValue{0, "off"}, KnobValue{1, "on"}};
+constexpr std::array kSwitches{KnobValue{0, "off"}, KnobValue{1, "on"}};
 constexpr std::array kSunReuses{KnobValue{0, "cast"}, KnobValue{1, "reused"}};
 constexpr std::array kSunRefreshes{KnobValue{1}, KnobValue{8}, KnobValue{32}, KnobValue{128}, KnobValue{0, "never"}};
 constexpr std::array kSunShadowsValues{KnobValue{0, "as the scene says"}, KnobValue{1, "off"}};
@@ -161,10 +161,12 @@ const std::array kKnobs{
          [](FrameSettings& s, double v) { reproject(s).check_view_frustum = v != 0.0; }, KnobScope::reprojection},
     Knob{"reproject_occlusion", "", "Whether reprojected points that others overtook are left out.", 1.0, kChecks,
          [](FrameSettings& s, double v) { reproject(s).check_occlusion = v != 0.0; }, KnobScope::reprojection},
+    Knob{"reproject_shift", "", "Whether rays of pixels that fail begin where points landed around them.", 0.0,
+         kSwitches, [](FrameSettings& s, double v) { reproject(s).shift_origin = v != 0.0; }, KnobScope::reprojection},
     Knob{"reproject_abrupt", "", "Whether reprojected points that come too fast are left out.", 1.0, kChecks,
          [](FrameSettings& s, double v) { reproject(s).check_abrupt = v != 0.0; }, KnobScope::reprojection},
     Knob{"reproject_background", "", "Whether sky is reprojected like everything else; if not, it is cast.", 1.0,
-         kReprojectBackground, [](FrameSettings& s, double v) { reproject(s).use_background = v != 0.0; },
+         kSwitches, [](FrameSettings& s, double v) { reproject(s).use_background = v != 0.0; },
          KnobScope::reprojection},
 };
 

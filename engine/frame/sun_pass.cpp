@@ -117,4 +117,12 @@ const std::uint8_t* find_sun_of_panorama(const FramePlan& plan, const scene::Sta
     return seen;
 }
 
+const farfield::SunRays* begin_sun_of_layers(const FramePlan& plan, const scene::StaticScene& scene,
+                                             std::unique_ptr<SunLight>& sun) {
+    if (!plan.sun_shadows) return nullptr;
+    SunLight& light = made(scene, sun);
+    light.rays.begin_tiles(plan.dynamic, scene.environment.to_sun);
+    return &light.rays;
+}
+
 }  // namespace ff::frame

@@ -45,4 +45,8 @@ const std::uint8_t* find_sun_of_panorama(const FramePlan& plan, const scene::Sta
                                          farfield::Panorama& panorama, std::unique_ptr<SunLight>& sun,
                                          FrameStats& stats);
 
+/// Makes ready for the sun rays of transparent layers; nullptr where the plan has no sun shadows.
+const farfield::SunRays* begin_sun_of_layers(const FramePlan& plan, const scene::StaticScene& scene,
+                                             std::unique_ptr<SunLight>& sun);
+
 }  // namespace ff::frame

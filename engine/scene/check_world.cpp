@@ -473,6 +473,22 @@ bool Checker::check_info() {
                             s_.meshes.size(), kMaxWorldCoordinate));
     }
     std::vector<std::string_view> names;
+    for (std::size_t i = 0; i < info_.places.size(); ++i) {
+        const NamedPlace& place = info_.places[i];
+        const std::uint64_t end = std::uint64_t(place.first_instance) + place.instance_count;
+        if (place.name.empty() || place.name.size() > kMaxNameBytes || end > info_.dynamic_instances.size() ||
+            !is_within(place.position, kMaxWorldCoordinate) || !is_within(place.yaw, -1e6, 1e6))
+            return report("places", i,
+                          fmt::format("a name of {} bytes and instances {} to {}; expected a name of 1 to {} bytes, a "
+                                      "finite place, and some of {} dynamic instances",
+                                      place.name.size(), place.first_instance, end, kMaxNameBytes,
+                                      info_.dynamic_instances.size()));
+        names.push_back(place.name);
+    }
+    std::sort(names.begin(), names.end());
+    if (const auto twice = std::adjacent_find(names.begin(), names.end()); twice != names.end())
+        return report("places", 0, fmt::format("two places are called \"{}\"; expected names of their own", *twice));
+    names.clear();
     for (std::size_t i = 0; i < info_.walks.size(); ++i) {
         const Walk& walk = info_.walks[i];
         if (walk.name.empty() || walk.name.size() > kMaxNameBytes)

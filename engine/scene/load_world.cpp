@@ -219,6 +219,19 @@ class WorldLoader {
             return pack_.error_in(chunk, "dynamic instances at an odd place; expected a multiple of 8");
         for (const disk::DynamicInstance* instance : *table.dynamic_instances())
             info.dynamic_instances.push_back(from_disk(*instance));
+        if (table.places() != nullptr) {
+            std::uint64_t name_bytes = 0;
+            for (const disk::NamedPlace* stored : *table.places()) {
+                name_bytes += stored->name()->size() + sizeof(NamedPlace);
+                if (name_bytes > records_.world.size() * sizeof(NamedPlace))
+                    return pack_.error_in(chunk, "places of more bytes than the table has room for");
+                info.places.push_back({.name = stored->name()->str(),
+                                       .position = from_disk(*stored->position()),
+                                       .yaw = stored->yaw(),
+                                       .first_instance = stored->first_instance(),
+                                       .instance_count = stored->instance_count()});
+            }
+        }
         // Several entries of a FlatBuffer may point to one table: what it holds in all is held against its size.
         std::uint64_t bytes = 0;
         for (const disk::Walk* stored : *table.walks()) {

@@ -47,6 +47,15 @@ flatbuffers::DetachedBuffer world_table(const SceneData& scene, const WorldInfo&
         const auto frames = builder.CreateVectorOfStructs(records_of<WalkFrame, disk::WalkFrame>(walk.frames));
         walks.push_back(disk::CreateWalk(builder, name, walk.fov_deg, walk.rate_hz, frames));
     }
+    std::vector<flatbuffers::Offset<disk::NamedPlace>> places;
+    for (const NamedPlace& place : info.places) {
+        const auto name = builder.CreateString(place.name);
+        const disk::DVec3 position = to_disk(place.position);
+        places.push_back(
+            disk::CreateNamedPlace(builder, name, &position, place.yaw, place.first_instance, place.instance_count));
+    }
+    // A world without any is written as before there were any.
+    const auto place_list = places.empty() ? 0 : builder.CreateVector(places);
     const auto name = builder.CreateString(info.name);
     const auto dynamic_instances =
         builder.CreateVectorOfStructs(records_of<DynamicInstance, disk::DynamicInstance>(info.dynamic_instances));
@@ -58,11 +67,12 @@ flatbuffers::DetachedBuffer world_table(const SceneData& scene, const WorldInfo&
     const disk::Environment environment = to_disk(scene.environment);
     const disk::DVec3 spawn = to_disk(info.spawn_position);
     disk::FinishWorldBuffer(
-        builder, disk::CreateWorld(builder, name, &origin, &bounds, &grid, &environment, &spawn, info.spawn_yaw,
-                                   info.source_bytes, dynamic_instances, walk_list, scene.environment.sun_shadows,
-                                   scene.environment.atmosphere.turbidity, scene.environment.atmosphere.brightness,
-                                   scene.environment.weather.rain, scene.environment.weather.snow,
-                                   scene.environment.weather.wind_m_s.x, scene.environment.weather.wind_m_s.y, lamps));
+        builder,
+        disk::CreateWorld(builder, name, &origin, &bounds, &grid, &environment, &spawn, info.spawn_yaw,
+                          info.source_bytes, dynamic_instances, walk_list, scene.environment.sun_shadows, place_list,
+                          scene.environment.atmosphere.turbidity, scene.environment.atmosphere.brightness,
+                          scene.environment.weather.rain, scene.environment.weather.snow,
+                          scene.environment.weather.wind_m_s.x, scene.environment.weather.wind_m_s.y, lamps));
     return builder.Release();
 }
 

@@ -9,6 +9,12 @@ World::World(SceneData data, WorldInfo info) : data_(std::move(data)), scene_(da
     count();
 }
 
+const NamedPlace* World::find_place(std::string_view name) const {
+    for (const NamedPlace& place : info_.places)
+        if (place.name == name) return &place;
+    return nullptr;
+}
+
 const Walk* World::find_walk(std::string_view name) const {
     const auto found =
         std::find_if(info_.walks.begin(), info_.walks.end(), [&](const Walk& walk) { return walk.name == name; });

@@ -24,12 +24,23 @@ struct DynamicInstance {
     friend bool operator==(const DynamicInstance&, const DynamicInstance&) = default;
 };
 
+/// A place that has a name, by which a game finds it: where a model stands, or nothing.
+struct NamedPlace {
+    std::string name;                                      ///< unique in a world
+    WorldPos position{0.0};                                ///< metres
+    double yaw = 0.0;                                      ///< radians, as Camera::yaw
+    std::uint32_t first_instance = 0, instance_count = 0;  ///< the model's, of WorldInfo::dynamic_instances
+
+    friend bool operator==(const NamedPlace&, const NamedPlace&) = default;
+};
+
 /// What a pack holds beside the static scene.
 struct WorldInfo {
     std::string name;
     WorldPos spawn_position{0.0};  ///< of the feet
     double spawn_yaw = 0.0;        ///< radians, as Camera::yaw
     std::vector<DynamicInstance> dynamic_instances;
+    std::vector<NamedPlace> places;
     std::vector<Walk> walks;         ///< names are unique and not empty
     std::uint64_t source_bytes = 0;  ///< of the files that it was cooked from
 };
@@ -54,6 +65,8 @@ class World {
     [[nodiscard]] const StaticScene& scene() const { return scene_; }
     [[nodiscard]] const WorldInfo& info() const { return info_; }
     [[nodiscard]] const WorldStatistics& statistics() const { return statistics_; }
+    /// The place of that name, or nullptr.
+    [[nodiscard]] const NamedPlace* find_place(std::string_view name) const;
     /// The walk of that name, or nullptr.
     [[nodiscard]] const Walk* find_walk(std::string_view name) const;
 

@@ -90,18 +90,23 @@ std::uint32_t blend(std::uint32_t below, std::uint32_t layer, float alpha) {
 class TileBlender {
   public:
     TileBlender(const farfield::LayerScene& scene, const farfield::beam::BeamView& view,
-                const farfield::VisibilityBuffer& visible, const ShadeFrame& frame, LayerScratch& shared, Image& out)
-        : scene_(scene), view_(view), visible_(visible), frame_(frame), shared_(shared), out_(out) {}
+                const farfield::VisibilityBuffer& visible, const ShadeFrame& frame, const farfield::SunRays* sun,
+                LayerScratch& shared, Image& out)
+        : scene_(scene), view_(view), visible_(visible), frame_(frame), sun_(sun), shared_(shared), out_(out) {}
 
-    /// @return layers shaded
-    std::uint64_t run(const TileRequest& tile) {
+    void run(const TileRequest& tile) {
         const std::size_t count = farfield::find_layers(scene_, view_, tile, visible_, found_);
-        if (count == 0) return 0;
+        if (count == 0) return;
         TileRequest half, rest;
-        if (count > found_.size() && split(tile, half, rest)) return run(half) + run(rest);
+        if (count > found_.size() && split(tile, half, rest)) {
+            run(half);
+            run(rest);
+            return;
+        }
         sorted_.sort(std::span<const Layer>(found_).first(std::min(count, found_.size())));
-        return shade(tile);
+        shade(tile);
     }
+    [[nodiscard]] const LayerCounts& counts() const { return counts_; }
 
   private:
     /// Halves a request; false for a single pixel.
@@ -122,11 +127,10 @@ class TileBlender {
     }
 
     /// Rounds from the back: in each, every pixel with layers left has its farthest one shaded and blended.
-    std::uint64_t shade(const TileRequest& tile) {
+    void shade(const TileRequest& tile) {
         const auto index_of = [&](std::uint8_t pixel) {
             return visible_.index(tile.x + pixel % kTileSize, tile.y + pixel / kTileSize);
         };
-        std::uint64_t shaded = 0;
         for (; !sorted_.pixels().empty(); sorted_.peel()) {
             TileRequest wanted{tile.x, tile.y, {}};
             for (const std::uint8_t pixel : sorted_.pixels()) {
@@ -138,19 +142,23 @@ class TileBlender {
                 std::uint16_t& row = wanted.rows[pixel / kTileSize];
                 row = std::uint16_t(row | (1u << pixel % kTileSize));
             }
-            shaded += shade_tile_batch(frame_, {&wanted, 1}, tile_scratch_);
+            if (sun_ != nullptr)
+                counts_.sun_rays +=
+                    sun_->cast_tile(frame_.view, shared_.visibility, wanted, shared_.sun_seen.data()).rays;
+            counts_.shaded += shade_tile_batch(frame_, {&wanted, 1}, tile_scratch_);
             for (const std::uint8_t pixel : sorted_.pixels()) {
                 const std::size_t at = index_of(pixel);
                 out_.pixels[at] = blend(out_.pixels[at], shared_.image.pixels[at], sorted_.farthest(pixel).alpha);
             }
         }
-        return shaded;
     }
 
     const farfield::LayerScene& scene_;
     const farfield::beam::BeamView& view_;
     const farfield::VisibilityBuffer& visible_;
     const ShadeFrame& frame_;
+    const farfield::SunRays* sun_;
+    LayerCounts counts_;
     LayerScratch& shared_;
     Image& out_;
     std::array<Layer, farfield::kMaxTileLayers> found_;
@@ -173,30 +181,36 @@ void LayerScratch::fit(const farfield::VisibilityBuffer& view) {
     image.pixels.resize(count);
 }
 
-std::uint64_t blend_layers(const farfield::LayerScene& scene, const PinholeView& view,
-                           const farfield::VisibilityBuffer& visible, std::span<const TileRequest> tiles,
-                           const ShadeSettings& settings, LayerScratch& scratch, Image& out) {
+LayerCounts blend_layers(const farfield::LayerScene& scene, const PinholeView& view,
+                         const farfield::VisibilityBuffer& visible, std::span<const TileRequest> tiles,
+                         const ShadeSettings& settings, const farfield::SunRays* sun, LayerScratch& scratch,
+                         Image& out) {
     FF_CHECK(visible.width == view.width && visible.height == view.height, "visibility {}x{} for a view of {}x{}",
              visible.width, visible.height, view.width, view.height);
     FF_CHECK(out.width == view.width && out.height == view.height && out.stride == visible.stride,
              "image {}x{} stride {} for a view of {}x{}, visibility stride {}", out.width, out.height, out.stride,
              view.width, view.height, visible.stride);
-    if (!(view.blend_within_m > 0.0f)) return 0;
+    if (!(view.blend_within_m > 0.0f)) return {};
     scratch.fit(visible);
+    ShadeSettings layer_settings = settings;
+    if (sun != nullptr) {
+        if (scratch.sun_seen.size() < visible.depth.size()) scratch.sun_seen.resize(visible.depth.size());
+        layer_settings.sun_seen = scratch.sun_seen.data();
+    }
     const std::span<const scene::Instance> dynamic =
         scene.dynamic != nullptr ? scene.dynamic->instances : std::span<const scene::Instance>();
-    const ShadeFrame frame{scene.scene,        dynamic,  view,
-                           scratch.visibility, settings, make_uniforms(scene.scene.environment, view),
+    const ShadeFrame frame{scene.scene,        dynamic,        view,
+                           scratch.visibility, layer_settings, make_uniforms(scene.scene.environment, view),
                            scratch.image};
     const farfield::beam::BeamView beam_view(view);
-    std::atomic<std::uint64_t> shaded{0};
+    std::atomic<std::uint64_t> shaded{0}, sun_rays{0};
     parallel_ranges(tiles.size(), kTilesPerTask, [&](std::size_t begin, std::size_t end) {
-        TileBlender blender(scene, beam_view, visible, frame, scratch, out);
-        std::uint64_t count = 0;
-        for (std::size_t i = begin; i < end; ++i) count += blender.run(tiles[i]);
-        shaded.fetch_add(count, std::memory_order_relaxed);
+        TileBlender blender(scene, beam_view, visible, frame, sun, scratch, out);
+        for (std::size_t i = begin; i < end; ++i) blender.run(tiles[i]);
+        shaded.fetch_add(blender.counts().shaded, std::memory_order_relaxed);
+        sun_rays.fetch_add(blender.counts().sun_rays, std::memory_order_relaxed);
     });
-    return shaded;
+    return {shaded, sun_rays};
 }
 
 }  // namespace ff::shading

@@ -6,6 +6,7 @@
 #include <span>
 
 #include "engine/farfield/layer_finder.h"
+#include "engine/farfield/sun_rays.h"
 #include "engine/shading/shading_pass.h"
 
 namespace ff::shading {
@@ -14,9 +15,16 @@ namespace ff::shading {
 struct LayerScratch {
     farfield::VisibilityBuffer visibility;
     Image image;
+    ZeroPageVector<std::uint8_t> sun_seen;  ///< as ShadeSettings::sun_seen
 
     /// Lays it out for a view. Allocates only where it grows.
     void fit(const farfield::VisibilityBuffer& view);
+};
+
+/// What blend_layers() did; exact and repeatable.
+struct LayerCounts {
+    std::uint64_t shaded = 0;
+    std::uint64_t sun_rays = 0;
 };
 
 /// Blends the layers of the tiles' pixels over `out`. Straight alpha: base colour factor x vertex colour x texture,
@@ -24,9 +32,10 @@ struct LayerScratch {
 /// behind layers that together let less than 1/512 through is left out. Parallel over tiles.
 /// @param view     blend_within_m says how far layers reach
 /// @param visible  what each pixel sees behind its layers; depths suffice
-/// @return layers shaded, exact and repeatable
-std::uint64_t blend_layers(const farfield::LayerScene& scene, const PinholeView& view,
-                           const farfield::VisibilityBuffer& visible, std::span<const farfield::TileRequest> tiles,
-                           const ShadeSettings& settings, LayerScratch& scratch, Image& out);
+/// @param sun      casts the layers' sun shadows, after begin_tiles(); null: they all see the sun
+LayerCounts blend_layers(const farfield::LayerScene& scene, const PinholeView& view,
+                         const farfield::VisibilityBuffer& visible, std::span<const farfield::TileRequest> tiles,
+                         const ShadeSettings& settings, const farfield::SunRays* sun, LayerScratch& scratch,
+                         Image& out);
 
 }  // namespace ff::shading

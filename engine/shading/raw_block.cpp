@@ -100,6 +100,7 @@ void load_raw_block(const ShadeFrame& frame, const TriangleName* names, int coun
             if (!unlit && (material.flags & scene::kMaterialSpecular)) {
                 const TextureRows map = texture_rows(scene, material.metallic_roughness_texture);
                 bits |= kLaneSpecular | kLanePixelLit | map.wraps;
+                if (frame.settings.waves != nullptr && (material.flags & scene::kMaterialWater)) bits |= kLaneWater;
                 record[kQuadSpecular] = material.metallic;
                 record[kQuadSpecular + 1] = material.roughness;
                 record[kQuadSpecular + 2] = std::bit_cast<float>(map.info);

@@ -158,15 +158,20 @@ DVec3 light_of_rows(const ShadingUniforms& uniforms, const scene::SkyTable::Row&
                std::pow(double(kHazeSquare) - double(kHazeTwice) * m, -1.5);
 }
 
-/// @param d  unit
-DVec3 atmosphere_sky(const ShadingUniforms& uniforms, const DVec3& d) {
+/// Without the sun's disc. @param d  unit
+DVec3 atmosphere_light(const ShadingUniforms& uniforms, const DVec3& d) {
     const double at = std::sqrt(clamp01(d.y)) * (scene::SkyTable::kRows - 1);
     const int i = std::min(int(at), scene::SkyTable::kRows - 2);
     const DVec3 sky = shown_air(light_of_rows(uniforms, uniforms.sky_rows[i], uniforms.sky_rows[i + 1], at - i, d) +
                                 DVec3(uniforms.night));
     const double down = std::min(std::max(-d.y, 0.0) * kHazeRate, 1.0);
+    return glm::mix(sky, DVec3(uniforms.haze), down * (2.0 - down));
+}
+
+/// @param d  unit
+DVec3 atmosphere_sky(const ShadingUniforms& uniforms, const DVec3& d) {
     const double disc = clamp01((glm::dot(d, DVec3(uniforms.to_sun)) - kSunDiscEdge) / (kSunDiscFull - kSunDiscEdge));
-    return glm::mix(sky, DVec3(uniforms.haze), down * (2.0 - down)) +
+    return atmosphere_light(uniforms, d) +
            kSunDisc * disc * disc * clamp01(1.0 + d.y * kHazeRate) * DVec3(uniforms.sun_radiance);
 }
 
@@ -208,7 +213,7 @@ DVec3 sky_color(const ShadingUniforms& uniforms, const scene::Environment& envir
 
 /// See specular_surface in shading_kernel.cpp for the sources.
 DVec3 specular_surface(const ShadingUniforms& uniforms, const DVec3& n, const DVec3& to_eye, const DVec3& color,
-                       double metallic, double roughness, double sun_seen, const DVec3& lamps) {
+                       double metallic, double roughness, double sun_seen, const DVec3& lamps, bool has_waves = false) {
     const DVec3 sun(uniforms.to_sun);
     const double n_l = std::max(glm::dot(n, sun), 0.0), n_v = std::max(glm::dot(n, to_eye), 1e-4);
     const DVec3 half = glm::normalize(sun + to_eye);
@@ -225,10 +230,14 @@ DVec3 specular_surface(const ShadingUniforms& uniforms, const DVec3& n, const DV
     const DVec3 lit = (1.0 - metallic) * color * (diffuse_light(uniforms, n, sun_seen) + lamps) +
                       sun_seen * lobe * fresnel * DVec3(uniforms.sun_radiance);
 
-    const double mirrored_y = 2.0 * n_v * n.y - to_eye.y;
+    DVec3 mirrored_way = 2.0 * n_v * n - to_eye;
+    if (has_waves) mirrored_way.y = std::abs(mirrored_way.y);
+    const double mirrored_y = mirrored_way.y;
     const DVec3 blurred = DVec3(uniforms.ambient_side) + mirrored_y * DVec3(uniforms.ambient_slope) +
                           mirrored_y * mirrored_y * DVec3(uniforms.ambient_curve);
-    const DVec3 mirrored = glm::mix(sky_gradient(uniforms, mirrored_y), blurred, rough);
+    const DVec3 mirrored = glm::mix(
+        uniforms.panorama_size.z > 0.0f ? atmosphere_light(uniforms, mirrored_way) : sky_gradient(uniforms, mirrored_y),
+        blurred, rough);
     const double r0 = 1.0 - rough, r1 = 0.0425 - 0.0275 * rough, r2 = 1.04 - 0.572 * rough, r3 = 0.022 * rough - 0.04;
     const double a004 = std::min(r0 * r0, std::exp2(-9.28 * n_v)) * r0 + r1;
     return lit + mirrored * (f0 * (r2 - 1.04 * a004) + DVec3(1.04 * a004 + r3));
@@ -242,6 +251,18 @@ DVec3 lamp_light(std::span<const LampLight> lamps, const DVec3& at, const DVec3&
         const double distance2 = glm::dot(toward, toward);
         sum += DVec3(lamp.strength) * lamp_falloff(distance2, lamp.radius_m) *
                std::max(0.0, glm::dot(toward, n) / std::sqrt(std::max(distance2, 1e-12)));
+    }
+    return sum;
+}
+
+/// Slopes of waves along x and z, and the variance of those that a pixel is too wide to see.
+DVec3 wave_slopes(const Waves& waves, const DVec3& at, double pixel_m) {
+    DVec3 sum(0.0);
+    for (const Wave& wave : waves) {
+        const double seen = clamp01(2.0 - pixel_m * 2.0 / double(kWaveGone * wave.length_m));
+        const double slope = double(wave.slope) * seen * std::cos(wave.x * at.x + wave.z * at.z + wave.phase) *
+                             wave.length_m / (2.0 * kPi);
+        sum += DVec3(slope * wave.x, slope * wave.z, 0.5 * double(wave.slope * wave.slope) * (1.0 - seen * seen));
     }
     return sum;
 }
@@ -275,6 +296,14 @@ DVec3 surface_color(const StaticScene& scene, const ShadingUniforms& uniforms, c
     const DVec3 facing = seen.plane < 0.0 ? seen.unit_normal : -seen.unit_normal;
     if (glm::dot(normal, facing) < 0.0) normal = -normal;
     normal /= std::max(glm::length(normal), 1e-30);
+    const bool has_waves = settings.waves != nullptr && (material.flags & scene::kMaterialSpecular) != 0 &&
+                           (material.flags & scene::kMaterialWater) != 0;
+    double unseen = 0.0;
+    if (has_waves) {
+        const DVec3 slopes = wave_slopes(*settings.waves, depth * direction, kWaterStretch * depth * pixel_angle);
+        normal = glm::normalize(normal - DVec3(slopes.x, 0.0, slopes.y));
+        unseen = slopes.z;
+    }
     color = glm::mix(color, DVec3(kSnowAlbedo), lies_on(normal.y, settings.snow_cover, kSnowFrom, kSnowFull));
     const double wetness = lies_on(normal.y, settings.wet, kWetFrom, kWetFull);
     color *= 1.0 - kWetDarkens * wetness;
@@ -289,8 +318,10 @@ DVec3 surface_color(const StaticScene& scene, const ShadingUniforms& uniforms, c
         const DVec3 map = sample(scene, scene.textures[material.metallic_roughness_texture], uv, footprint);
         rough_metal *= DVec2(map.y, map.z);
     }
-    return soft_clip(specular_surface(uniforms, normal, to_eye, color, rough_metal.y, rough_metal.x, sun_seen, lamps) +
-                     emissive);
+    if (has_waves) rough_metal.x = std::pow(std::pow(rough_metal.x, 4.0) + 2.0 * unseen, 0.25);
+    return soft_clip(
+        specular_surface(uniforms, normal, to_eye, color, rough_metal.y, rough_metal.x, sun_seen, lamps, has_waves) +
+        emissive);
 }
 
 DVec3 prelit_color(const StaticScene& scene, const ShadingUniforms& uniforms, const SeenTriangle& seen,

@@ -11,6 +11,7 @@
 #include "engine/math/camera.h"
 #include "engine/scene/static_scene.h"
 #include "engine/shading/lamp_light.h"
+#include "engine/shading/waves.h"
 
 namespace ff::shading {
 
@@ -30,6 +31,7 @@ struct ShadeSettings {
     const std::uint8_t* sun_seen = nullptr;
     /// Lit lamps, the nearest first. Prelit triangles know none; nor do walls between a lamp and a surface.
     std::span<const LampLight> lamps;
+    const Waves* waves = nullptr;  ///< of open water; nullptr: it is still
     /// How wet and how snowed over is what faces up, [0, 1]; prelit triangles stay as they are.
     float wet = 0.0f, snow_cover = 0.0f;
 };

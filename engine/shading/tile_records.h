@@ -49,6 +49,7 @@ inline constexpr std::int32_t kLanePixelLit = 1 << 14;     ///< light depends on
 inline constexpr std::int32_t kLaneVertexColor = 1 << 15;  ///< colour differs between corners
 inline constexpr std::int32_t kLaneSpecular = 1 << 16;
 inline constexpr std::int32_t kLaneEmissive = 1 << 17;
+inline constexpr std::int32_t kLaneWater = 1 << 19;
 inline constexpr std::int32_t kLaneWraps = 1 << 18;  ///< some texture of it clamps or mirrors
 
 /// One triangle as named by the visibility buffer.

@@ -71,6 +71,12 @@ TEST_F(EffectCosts, each_effect_alone_is_paid_for_and_no_other) {
         data.environment.atmosphere.turbidity = effect.id == EffectId::atmosphere ? 2.0f : 0.0f;
         data.environment.weather.rain = effect.id == EffectId::rain ? 0.5f : 0.0f;
         data.environment.weather.snow = effect.id == EffectId::snow ? 0.5f : 0.0f;
+        if (effect.id == EffectId::water) {
+            for (scene::Material& material : data.materials)
+                if (material.flags & scene::kMaterialSpecular) material.flags |= scene::kMaterialWater;
+            for (scene::Mesh& mesh : data.meshes)
+                if (mesh.material_flags & scene::kMaterialSpecular) mesh.material_flags |= scene::kMaterialWater;
+        }
         if (effect.id == EffectId::lamps)
             data.lamps.push_back({.position = {0.0, 4.0, 50.0}, .on_below_sun_deg = 90.0f});
         const FrameStats stats = walk(data.view(), {.fixed_near_m = 0.0});

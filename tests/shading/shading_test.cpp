@@ -170,6 +170,38 @@ TEST(shading, lamps_rain_and_snow_are_shaded_as_the_reference_says) {
     EXPECT_LE(large, compared / 5000);
 }
 
+TEST(shading, waves_are_shaded_as_the_reference_says) {
+    int compared = 0, large = 0;
+    scene::SkyTable table;
+    for (std::uint32_t seed = 0; seed < 4; ++seed) {
+        scene::SceneData world = make_material_world(seed);
+        for (scene::Material& material : world.materials) {
+            material.flags |= scene::kMaterialSpecular | scene::kMaterialWater;
+            material.metallic_roughness_texture = scene::kNoTexture;
+            material.roughness = 0.2f;
+        }
+        if (seed % 2 == 0) {
+            world.environment.atmosphere.turbidity = 2.0f;
+            shading::light_atmosphere(world.environment, table);
+        }
+        const scene::StaticScene scene = world.view();
+        Random random(5000 + seed);
+        const PinholeView view = random_view(random, scene.bounds);
+        const VisibilityBuffer visibility = cast_view(scene, view);
+        const shading::Waves waves = shading::make_waves(view.position, {.wind_m_s = {3.0f, 1.0f}}, 12.0 * seed);
+        const ShadeSettings settings{.waves = &waves};
+        for (const Image& image :
+             images_of_all_targets([&] { return shade_view(scene, view, visibility, settings); })) {
+            const Difference d = compare_with_reference(scene, view, visibility, image, settings);
+            EXPECT_LE(d.large, 60) << "seed " << seed << ", max " << d.max;
+            compared += d.compared;
+            large += d.large;
+        }
+    }
+    EXPECT_GT(compared, 200000);
+    EXPECT_LE(large, compared / 2000);
+}
+
 TEST(shading, any_share_of_the_sun_is_shaded_as_the_reference_says) {
     int compared = 0, large = 0;
     for (std::uint32_t seed = 0; seed < 6; ++seed) {

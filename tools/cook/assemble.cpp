@@ -56,6 +56,7 @@ scene::WorldInfo world_info(const WorldSource& source) {
                           .spawn_position = source.spawn_position,
                           .spawn_yaw = radians_of(source.spawn_yaw_deg),
                           .dynamic_instances = {},
+                          .places = {},
                           .walks = {},
                           .source_bytes = source.bytes_in};
     for (const SourceWalk& walk : source.walks) {
@@ -67,6 +68,23 @@ scene::WorldInfo world_info(const WorldSource& source) {
             out.frames.push_back({frame.position, frame.yaw_deg, frame.pitch_deg, frame.roll_deg});
     }
     return info;
+}
+
+/// @param moving_placements  the placement of each dynamic instance, ascending
+void add_places(const WorldSource& source, std::span<const std::size_t> moving_placements, scene::WorldInfo& info) {
+    const auto instances_before = [&](std::size_t placement) {
+        return std::uint32_t(std::lower_bound(moving_placements.begin(), moving_placements.end(), placement) -
+                             moving_placements.begin());
+    };
+    for (const SourcePlace& place : source.places) {
+        const std::uint32_t first = instances_before(place.first_placement);
+        const std::uint32_t end = instances_before(place.first_placement + place.placement_count);
+        info.places.push_back({.name = place.name,
+                               .position = place.position,
+                               .yaw = radians_of(place.yaw_deg),
+                               .first_instance = end > first ? first : 0,
+                               .instance_count = end - first});
+    }
 }
 
 }  // namespace
@@ -164,12 +182,15 @@ Result<Assembly> assemble(WorldSource source, const AssembleSettings& settings, 
             if (mesh != kNone) out.add_instance(mesh, placement.position, placement.world_from_mesh, cell);
         }
     }
+    std::vector<std::size_t> moving_placements;  // of each dynamic instance, ascending
     for (const std::uint32_t index : sorted.dynamic) {
         const Placement& placement = source.placements[index];
         const std::uint32_t mesh = whole_mesh_id(placement.mesh);
-        if (mesh != kNone)
-            assembly.info.dynamic_instances.push_back({mesh, placement.position, placement.world_from_mesh});
+        if (mesh == kNone) continue;
+        assembly.info.dynamic_instances.push_back({mesh, placement.position, placement.world_from_mesh});
+        moving_placements.push_back(index);
     }
+    add_places(source, moving_placements, assembly.info);
     context.end_stage("join");
     out.finish(0);
     add_height_grid(settings.height_grid_size, geometry, keys, context.cache(), out);

@@ -44,6 +44,7 @@ class SceneBuilder {
         context_.end_stage("buildings");
         FF_TRY(add_models([](const ModelDescription& m) { return m.position_m.size() == 2 && !m.dynamic; }));
         FF_TRY(add_models([](const ModelDescription& m) { return m.dynamic; }));
+        add_places();
         ground_end_ = world_.placements.size();
         FF_TRY(add_scatters());
         FF_TRY(add_lamps());
@@ -153,6 +154,7 @@ class SceneBuilder {
     /// A level sheet in all squares of the terrain that reach below it.
     Status add_water(double level) {
         FF_ASSIGN(const std::uint32_t water, material({}, Vec3(0.05f, 0.12f, 0.16f), 0.12f));
+        world_.materials[water].flags |= scene::kMaterialWater;
         const HeightField& field = terrain_->field();
         constexpr int kStep = 16;
         MeshBuilder mesh("water", {0, level, 0});
@@ -250,6 +252,15 @@ class SceneBuilder {
         return {};
     }
 
+    void add_places() {
+        for (const PlaceDescription& described : scene_.places) {
+            const std::vector<double>& p = described.position_m;
+            DVec3 position(p.front(), 0, p.back());
+            position.y = p.size() == 3 ? p[1] : ground_now()(position.x, position.z).value_or(0.0);
+            world_.places.push_back({.name = described.name, .position = position, .yaw_deg = described.yaw_deg});
+        }
+    }
+
     Status add_models(bool (*is_wanted)(const ModelDescription&)) {
         for (const ModelDescription& described : scene_.models) {
             if (!is_wanted(described)) continue;
@@ -261,6 +272,7 @@ class SceneBuilder {
             const long uses = std::count_if(scene_.models.begin(), scene_.models.end(),
                                             [&](const ModelDescription& m) { return m.file == described.file; });
             const DMat3 turn = world_from_yaw(described.yaw_deg, described.scale);
+            const std::size_t first_placement = world_.placements.size();
             if (described.dynamic) {
                 place_model(*loaded, position, turn, PlacementKind::dynamic, world_);
             } else {
@@ -271,6 +283,12 @@ class SceneBuilder {
                          .world_from_mesh = Mat3(turn * part.model_from_mesh),
                          .kind = part.use_count > 1 || uses > 1 ? PlacementKind::instance : PlacementKind::merge});
             }
+            if (!described.name.empty())
+                world_.places.push_back({.name = described.name,
+                                         .position = position,
+                                         .yaw_deg = described.yaw_deg,
+                                         .first_placement = first_placement,
+                                         .placement_count = world_.placements.size() - first_placement});
             // A model that is the ground blocks nothing.
             if (below && !loaded->bounds.is_empty()) {
                 Footprint outline;

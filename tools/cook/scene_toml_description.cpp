@@ -149,8 +149,31 @@ void read_model(const toml::table& source, TomlReport& report, SceneDescription&
     model.yaw_deg = table.number("yaw_deg", 0, -1e6, 1e6);
     model.scale = table.number("scale", 1, 1e-6, 1e6);
     model.dynamic = table.boolean("dynamic", false);
+    model.name = table.text("name", "");
     table.finish();
     scene.models.push_back(std::move(model));
+}
+
+/// Names of models and places are one set.
+void check_names_of_places(TomlTable& root, const SceneDescription& scene) {
+    std::set<std::string> names;
+    const auto check = [&](const char* key, const std::string& name) {
+        if (!name.empty() && !names.insert(name).second) root.fail(key, fmt::format("\"{}\" is there twice", name));
+    };
+    for (const ModelDescription& model : scene.models) check("model", model.name);
+    for (const PlaceDescription& place : scene.places) check("place", place.name);
+}
+
+void read_place(const toml::table& source, TomlReport& report, SceneDescription& scene) {
+    TomlTable table(source, "[[place]]", report);
+    PlaceDescription place;
+    place.name = table.text("name", "");
+    if (place.name.empty()) table.fail("name", "missing; expected a text in quotes");
+    place.position_m = table.numbers("position_m", 2, 3, -1e8, 1e8);
+    if (place.position_m.empty()) table.fail("position_m", "missing; expected [x, z] or [x, y, z]");
+    place.yaw_deg = table.number("yaw_deg", 0, -1e6, 1e6);
+    table.finish();
+    scene.places.push_back(std::move(place));
 }
 
 void read_scatter(const toml::table& source, TomlReport& report, SceneDescription& scene) {
@@ -275,6 +298,8 @@ Result<SceneDescription> read_scene_description(const std::filesystem::path& pat
     for (const toml::table* source : root.tables("buildings")) read_buildings(*source, report, scene);
     if (const toml::table* source = root.table("town")) read_town(*source, report, scene);
     for (const toml::table* source : root.tables("model")) read_model(*source, report, scene);
+    for (const toml::table* source : root.tables("place")) read_place(*source, report, scene);
+    check_names_of_places(root, scene);
     for (const toml::table* source : root.tables("scatter")) read_scatter(*source, report, scene);
     for (const toml::table* source : root.tables("lamp")) read_lamp(*source, report, scene);
     if (const toml::table* source = root.table("weather")) read_weather(*source, report, scene);

@@ -51,6 +51,13 @@ struct ModelDescription {
     std::vector<double> position_m{0.0, 0.0};  ///< [x, z] or [x, y, z]
     double yaw_deg = 0, scale = 1;
     bool dynamic = false;
+    std::string name;  ///< empty: none
+};
+
+struct PlaceDescription {
+    std::string name;
+    std::vector<double> position_m;  ///< [x, z] or [x, y, z]
+    double yaw_deg = 0;
 };
 
 struct ScatterDescription {
@@ -93,6 +100,7 @@ struct SceneDescription {
     std::optional<std::array<double, 3>> spawn;  ///< x, z, yaw
     std::optional<double> spawn_y;
     std::vector<WalkDescription> walks;
+    std::vector<PlaceDescription> places;
 };
 
 /// Reads and checks the text of a scene.toml. Errors: see load_scene_toml.

@@ -51,6 +51,14 @@ struct SourceWalk {
     std::vector<WalkFrame> frames;
 };
 
+/// A place with a name, and the placements of the model that stands there.
+struct SourcePlace {
+    std::string name;
+    DVec3 position{0.0};
+    double yaw_deg = 0.0;
+    std::size_t first_placement = 0, placement_count = 0;
+};
+
 struct WorldSource {
     std::string name;
     std::vector<SourceTexture> textures;
@@ -63,6 +71,7 @@ struct WorldSource {
     DVec3 spawn_position{0.0};
     double spawn_yaw_deg = 0.0;
     std::vector<SourceWalk> walks;
+    std::vector<SourcePlace> places;
     std::uint64_t bytes_in = 0;  ///< of all source files read
 };
 

@@ -64,6 +64,9 @@ Result<frame::FrameSettings> chosen_settings(const ViewOptions& options, const s
                                              const scene::Walk& walk) {
     frame::FrameSettings settings = options.frame;
     if (!options.max_error_px && !options.min_psnr_db) return settings;
+    if (settings.mode != frame::Mode::hybrid)
+        return usage_error(
+            "--max-error-px and --min-psnr choose settings of mode hybrid: no other --mode goes with them");
     accuracy::Limits limits;
     if (options.max_error_px) limits.max_displacement_px = *options.max_error_px;
     if (options.min_psnr_db) limits.min_psnr_db = *options.min_psnr_db;

@@ -1,0 +1,79 @@
+#include "game/beacons/beacons_game.h"
+
+#include <fmt/format.h>
+
+#include "game/beacons/rules.h"
+#include "game/beacons/state.h"
+
+namespace ff::beacons {
+namespace {
+
+class BeaconsGame final : public host::Game {
+  public:
+    BeaconsGame(const scene::World& world, std::uint64_t seed) : state_(world, seed) {}
+
+    Status begin() { return populate(state_); }
+
+    void tick(const loop::UserCommand& command) override {
+        if (state_.day().stage != host::Stage::playing) return;
+        state_.command().now = command;
+        state_.schedule.run(state_.registry);
+        state_.command().buttons_before = command.buttons;
+    }
+    std::uint64_t ticks() const override { return const_cast<State&>(state_).day().tick; }
+    replay::StateDigest digest() override { return digest_of(state_); }
+    std::string describe(std::uint32_t index) const override {
+        return index < state_.level.names.size() ? state_.level.names[index] : "no entity of the game";
+    }
+    void show(double fraction, host::GameView& out) override { show_state(state_, fraction, out); }
+    host::Stage stage() const override { return const_cast<State&>(state_).day().stage; }
+    std::string end_text() const override {
+        const double minutes = double(ticks()) * kTick / 60.0;
+        return stage() == host::Stage::won
+                   ? fmt::format("All beacons burn. It took you {:.1f} minutes; the valley sleeps safely tonight.",
+                                 minutes)
+                   : std::string(
+                         "Night has fallen over a dark valley. Climb higher next time: from a height more can be "
+                         "seen.");
+    }
+    double yaw() const override { return const_cast<State&>(state_).view().yaw_urad * 1e-6; }
+    double pitch() const override { return const_cast<State&>(state_).view().pitch_urad * 1e-6; }
+    std::vector<std::byte> save() const override { return save_state(const_cast<State&>(state_)); }
+    Status load(std::span<const std::byte> bytes, std::uint32_t version) override {
+        return load_state(state_, bytes, version);
+    }
+
+  private:
+    State state_;
+};
+
+loop::Action action(std::string name, std::initializer_list<const char*> triggers) {
+    loop::Action made{.name = std::move(name)};
+    std::size_t i = 0;
+    for (const char* trigger : triggers) made.triggers[i++] = *loop::parse_trigger(trigger);
+    return made;
+}
+
+}  // namespace
+
+const host::GameInfo& game_info() {
+    static const host::GameInfo info{
+        .name = "beacons",
+        .title = "Beacons",
+        .intro =
+            "The watch on the heights has gone home. Find the beacons with your spyglass, climb to them,\n"
+            "and light them all before the last light is gone.",
+        .save_version = kSaveVersion,
+        .fov = kFov,
+        .actions = {action("ahead", {"w"}), action("back", {"s"}), action("left", {"a"}), action("right", {"d"}),
+                    action("jump", {"space", "pad a"}), action("run", {"left shift", "pad left thumb"}),
+                    action("use", {"e", "pad x"}), action("spyglass", {"mouse right", "f", "pad left bumper"})},
+        .begin = [](const scene::World& world, std::uint64_t seed) -> Result<std::unique_ptr<host::Game>> {
+            auto game = std::make_unique<BeaconsGame>(world, seed);
+            FF_TRY(game->begin());
+            return std::unique_ptr<host::Game>(std::move(game));
+        }};
+    return info;
+}
+
+}  // namespace ff::beacons

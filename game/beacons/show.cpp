@@ -1,0 +1,149 @@
+// What a frame shows of a state: the camera, everything that moves, and what is written over the picture.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+
+#include "engine/scene/instance_bounds.h"
+#include "game/beacons/rules.h"
+#include "game/beacons/state.h"
+
+namespace ff::beacons {
+namespace {
+
+constexpr std::uint32_t kPale = 0xE6F0F5FFu, kGold = 0xFF4CC3FFu, kDim = 0x80FFFFFFu;
+
+struct Pose {
+    WorldPos position;
+    glm::quat rotation;
+};
+
+Pose between(const Before& before, const ecs::LocalTransform& now, double fraction) {
+    return {before.position + fraction * (now.position - before.position),
+            glm::normalize(glm::slerp(before.rotation, now.rotation, float(fraction)))};
+}
+
+/// The model's instances, moved with the entity from where the world has them.
+void add_instances(const scene::World& world, const Model& model, const Pose& pose, std::vector<scene::Instance>& out) {
+    const glm::quat turn = pose.rotation * glm::inverse(model.placed_turn);
+    const Mat3 linear = glm::mat3_cast(turn);
+    for (std::uint32_t i = 0; i < model.instance_count; ++i) {
+        const scene::DynamicInstance& part = world.info().dynamic_instances[model.first_instance + i];
+        scene::Instance instance{.position = pose.position + DVec3(linear * Vec3(part.position - model.placed_at)),
+                                 .world_from_mesh = linear * part.world_from_mesh,
+                                 .mesh = part.mesh};
+        instance.bounds = scene::world_box(instance, world.scene().meshes[part.mesh].bounds);
+        out.push_back(instance);
+    }
+}
+
+double turned(double angle) {
+    return std::remainder(angle, 2.0 * kPi);
+}
+
+void show_compass(State& state, const Camera& camera, std::vector<host::HudItem>& out) {
+    constexpr double kSpan = radians_of(140.0);
+    constexpr float kTop = 0.045f, kHalfWidth = 0.3f;
+    const auto place = [&](double yaw) { return 0.5f + 2.0f * kHalfWidth * float(turned(yaw - camera.yaw) / kSpan); };
+    const auto is_shown = [&](double yaw) { return std::fabs(turned(yaw - camera.yaw)) < 0.5 * kSpan; };
+    out.push_back({.kind = host::HudItem::Kind::line,
+                   .at = {0.5f - kHalfWidth, kTop + 0.02f},
+                   .to = {0.5f + kHalfWidth, kTop + 0.02f},
+                   .size = 0.002f,
+                   .color = kDim});
+    constexpr std::array kPoints{"N", "NE", "E", "SE", "S", "SW", "W", "NW"};
+    for (std::size_t i = 0; i < kPoints.size(); ++i)
+        if (const double yaw = kPi / 4.0 * double(i); is_shown(yaw))
+            out.push_back(
+                {.at = {place(yaw), kTop}, .size = i % 2 == 0 ? 0.032f : 0.022f, .color = kPale, .text = kPoints[i]});
+    for (const ecs::Entity entity : state.level.beacons) {
+        const Beacon& beacon = *state.registry.get<Beacon>(entity);
+        if (!beacon.spotted) continue;
+        const DVec3 to = state.registry.get<ecs::LocalTransform>(entity)->position - camera.position;
+        const double yaw = std::atan2(to.x, -to.z);
+        if (!is_shown(yaw)) continue;
+        const double distance = glm::length(to);
+        out.push_back({.kind = host::HudItem::Kind::line,
+                       .at = {place(yaw), kTop + 0.02f},
+                       .to = {place(yaw), kTop + 0.036f},
+                       .size = 0.006f,
+                       .color = beacon.lit ? kGold : kPale});
+        out.push_back({.at = {place(yaw), kTop + 0.052f},
+                       .size = 0.02f,
+                       .color = beacon.lit ? kGold : kPale,
+                       .text = distance < 1000.0 ? fmt::format("{:.0f} m", distance)
+                                                 : fmt::format("{:.1f} km", distance * 1e-3)});
+    }
+}
+
+}  // namespace
+
+void show_hud(State& state, const Camera& camera, std::vector<host::HudItem>& out) {
+    show_compass(state, camera, out);
+    int lit = 0;
+    const Beacon* near_one = nullptr;
+    const WorldPos feet = state.registry.get<ecs::LocalTransform>(state.level.player)->position;
+    for (const ecs::Entity entity : state.level.beacons) {
+        const Beacon& beacon = *state.registry.get<Beacon>(entity);
+        lit += beacon.lit ? 1 : 0;
+        if (glm::distance(feet, state.registry.get<ecs::LocalTransform>(entity)->position) < kKindleReach)
+            near_one = &beacon;
+    }
+    const std::uint64_t left = state.day().tick < kDayTicks ? (kDayTicks - state.day().tick) / kTicks : 0;
+    out.push_back({.at = {0.09f, 0.045f},
+                   .size = 0.028f,
+                   .color = kGold,
+                   .text = fmt::format("{} of {} lit", lit, state.level.beacons.size())});
+    out.push_back({.at = {0.92f, 0.045f},
+                   .size = 0.028f,
+                   .color = left < 120 ? kGold : kPale,
+                   .text = fmt::format("{}:{:02}", left / 60, left % 60)});
+    if (near_one != nullptr && !near_one->lit) {
+        out.push_back({.at = {0.5f, 0.8f}, .size = 0.03f, .color = kPale, .text = "hold USE to light the beacon"});
+        out.push_back({.kind = host::HudItem::Kind::bar,
+                       .at = {0.4f, 0.83f},
+                       .to = {0.2f, 0.012f},
+                       .value = float(near_one->kindled) / kKindleTicks,
+                       .color = kGold});
+    }
+    if (state.view().fov < 2.0 * kSpyglassFov)
+        out.push_back({.kind = host::HudItem::Kind::line,
+                       .at = {0.49f, 0.5f},
+                       .to = {0.51f, 0.5f},
+                       .size = 0.0015f,
+                       .color = kDim});
+}
+
+void show_state(State& state, double fraction, host::GameView& out) {
+    out.dynamic.clear();
+    out.hud.clear();
+    ecs::Registry& registry = state.registry;
+    const scene::World& world = *state.level.world;
+    registry.each<const ecs::LocalTransform, const Before, const Model>(
+        [&](const ecs::LocalTransform& at, const Before& before, const Model& model) {
+            add_instances(world, model, between(before, at, fraction), out.dynamic);
+        });
+    // What burns where a beacon is lit stands in the world at the place of the beacon's fire.
+    for (const ecs::Entity entity : state.level.beacons) {
+        const Beacon& beacon = *registry.get<Beacon>(entity);
+        const scene::NamedPlace* fire = world.find_place("fire");
+        if (!beacon.lit || fire == nullptr) continue;
+        const Model model{fire->first_instance, fire->instance_count, fire->position, turn_of(fire->yaw)};
+        const auto& at = *registry.get<ecs::LocalTransform>(entity);
+        add_instances(world, model, {at.position, at.rotation}, out.dynamic);
+    }
+    const ecs::Entity player = state.level.player;
+    const Pose feet = between(*registry.get<Before>(player), *registry.get<ecs::LocalTransform>(player), fraction);
+    out.camera = {.position = feet.position + eye_above_feet(),
+                  .yaw = state.view().yaw_urad * 1e-6,
+                  .pitch = state.view().pitch_urad * 1e-6,
+                  .roll = 0.0,
+                  .vertical_fov = state.view().fov};
+    out.turn_scale = state.view().fov / kFov;
+    out.sun = sun_at(state.day().tick);
+    show_hud(state, out.camera, out.hud);
+}
+
+}  // namespace ff::beacons
