@@ -80,7 +80,8 @@ namespace {
 
 class BeamCaster final : public RayCaster {
   public:
-    explicit BeamCaster(const scene::StaticScene& scene) : scene_(scene) {}
+    BeamCaster(const scene::StaticScene& scene, bool is_live)
+        : copy_(is_live ? scene::StaticScene{} : scene), scene_(is_live ? scene : copy_) {}
 
     CastCost cast_tiles(const PinholeView& view, std::span<const TileRequest> tiles, VisibilityBuffer& out) override {
         return cast(view, tiles, false, out);
@@ -128,14 +129,19 @@ class BeamCaster final : public RayCaster {
         return shared.total();
     }
 
-    scene::StaticScene scene_;
+    scene::StaticScene copy_;
+    const scene::StaticScene& scene_;
     beam::BeamRequests requests_;
 };
 
 }  // namespace
 
 std::unique_ptr<RayCaster> make_beam_caster(const scene::StaticScene& scene) {
-    return std::make_unique<BeamCaster>(scene);
+    return std::make_unique<BeamCaster>(scene, false);
+}
+
+std::unique_ptr<RayCaster> make_live_beam_caster(const scene::StaticScene& scene) {
+    return std::make_unique<BeamCaster>(scene, true);
 }
 
 }  // namespace ff::farfield

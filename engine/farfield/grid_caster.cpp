@@ -20,8 +20,9 @@ class GridCaster final : public RayCaster {
     GridCaster(const scene::StaticScene& scene, double cells_per_item) {
         const Stopwatch watch;
         world_.scene = scene;
-        world_.meshes.resize(scene.meshes.size());
-        parallel_for(scene.meshes.size(), [&](std::size_t m) {
+        // Poses change, and none stands in the static scene.
+        world_.meshes.resize(scene.meshes.size() - scene.posed_mesh_count);
+        parallel_for(world_.meshes.size(), [&](std::size_t m) {
             world_.meshes[m] = grid::make_mesh_grid(scene, scene.meshes[m], cells_per_item);
         });
         world_.top = grid::make_instance_grid(scene, cells_per_item);

@@ -4,6 +4,7 @@
 #include <span>
 
 #include "engine/farfield/visibility_buffer.h"
+#include "engine/math/bounds.h"
 #include "engine/math/camera.h"
 #include "engine/math/types.h"
 
@@ -13,6 +14,7 @@ namespace ff::farfield {
 struct MovingSphere {
     WorldPos center{0.0};
     double radius = 0.0;  ///< metres
+    DBox3 box;            ///< in the ball, world: where in it the thing is; empty: anywhere
 };
 
 /// Whether one of them may stand between the sun and what the requested pixels see. Never false where one does; pixels

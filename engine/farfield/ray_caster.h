@@ -68,5 +68,7 @@ std::unique_ptr<RayCaster> make_grid_caster(const scene::StaticScene& scene,
                                             double cells_per_item = kUsualGridCellsPerItem);
 /// Squares of 32 x 32 pixels at once, up to four requests, through the pack's own BVHs.
 std::unique_ptr<RayCaster> make_beam_caster(const scene::StaticScene& scene);
+/// The same for a scene that changes between casts: its arrays are looked up anew in each. `scene` must outlive it.
+std::unique_ptr<RayCaster> make_live_beam_caster(const scene::StaticScene& scene);
 
 }  // namespace ff::farfield

@@ -9,7 +9,6 @@
 #include "engine/farfield/cast_cost_sum.h"
 #include "engine/farfield/sun_group.h"
 #include "engine/farfield/sun_points.h"
-#include "engine/scene/scene_data.h"
 
 namespace ff::farfield {
 
@@ -29,9 +28,7 @@ const scene::StaticScene& SunRays::moving(std::span<const scene::Instance> dynam
     moving_.instances = dynamic;
     moving_.bounds = {};
     for (const scene::Instance& instance : dynamic) moving_.bounds.add(instance.bounds);
-    moving_nodes_.clear();
-    if (!dynamic.empty()) scene::build_instance_bvh(dynamic, scene_.origin, moving_nodes_);
-    moving_.instance_nodes = moving_nodes_;
+    moving_.instance_nodes = moving_bvh_.build(dynamic, scene_.origin);
     return moving_;
 }
 

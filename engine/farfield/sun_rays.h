@@ -8,6 +8,7 @@
 #include "engine/farfield/ray_caster.h"
 #include "engine/farfield/visibility_buffer.h"
 #include "engine/math/camera.h"
+#include "engine/scene/moving_bvh.h"
 #include "engine/scene/static_scene.h"
 
 namespace ff::farfield {
@@ -41,7 +42,7 @@ struct SunPoint {
 /// ray begins sun_ray_offset() above it.
 ///
 /// Threads: casts use the workers of jobs.h themselves; not to be called from two threads at once. Results and costs do
-/// not depend on the number of workers. Steady calls allocate nothing as long as nothing moves.
+/// not depend on the number of workers. Steady calls allocate nothing.
 class SunRays {
   public:
     /// @param scene  its arrays must outlive this
@@ -76,7 +77,7 @@ class SunRays {
 
     scene::StaticScene scene_;
     scene::StaticScene moving_;
-    std::vector<scene::BvhNode> moving_nodes_;
+    scene::MovingBvh moving_bvh_;
     Vec3 to_sun_{0.0f, 1.0f, 0.0f};  // of cast_tile()
 };
 

@@ -1,19 +1,23 @@
 #include "engine/frame/dynamic_overlay.h"
 
-#include "engine/scene/scene_data.h"
-
 namespace ff::frame {
 
+DynamicOverlay::DynamicOverlay(const scene::StaticScene& scene)
+    : scene_(scene),
+      first_id_(std::uint32_t(scene.instances.size())),
+      caster_(farfield::make_live_beam_caster(scene_)) {}
+
 farfield::CastCost DynamicOverlay::draw(const PinholeView& view, std::span<const scene::Instance> dynamic,
-                                        std::span<const farfield::TileRequest> tiles,
+                                        std::span<const farfield::TileRequest> all_tiles,
                                         farfield::VisibilityBuffer& visibility, farfield::PixelMask& covered) {
     if (dynamic.empty()) return {};
+    const std::span<const farfield::TileRequest> tiles = tiles_.find(view, dynamic, all_tiles);
+    if (tiles.empty()) return {};
     if (visibility_.width != visibility.width || visibility_.height != visibility.height)
         visibility_.resize(visibility.width, visibility.height);
     scene_.instances = dynamic;
-    scene::build_instance_bvh(dynamic, scene_.origin, nodes_);
-    scene_.instance_nodes = nodes_;
-    const farfield::CastCost cost = farfield::make_beam_caster(scene_)->cast_tiles(view, tiles, visibility_);
+    scene_.instance_nodes = tree_.build(dynamic, scene_.origin);
+    const farfield::CastCost cost = caster_->cast_tiles(view, tiles, visibility_);
 
     for (const farfield::TileRequest& tile : tiles)
         for (int row = 0; row < farfield::kTileSize; ++row) {

@@ -1,22 +1,26 @@
 #pragma once
 
+#include <memory>
 #include <span>
-#include <vector>
 
 #include "engine/farfield/pixel_mask.h"
 #include "engine/farfield/ray_caster.h"
 #include "engine/farfield/visibility_buffer.h"
+#include "engine/frame/moving_tiles.h"
 #include "engine/math/camera.h"
+#include "engine/scene/moving_bvh.h"
 #include "engine/scene/static_scene.h"
 
 namespace ff::frame {
 
 /// Instances that move, at any distance: cast by tile beams through a small tree of their own and depth-tested against
-/// what the static world shows, however that was found. So neither panorama nor horizon need know of them.
+/// what the static world shows, however that was found. So neither panorama nor horizon need know of them. Only tiles
+/// that an instance's box may show in are looked at. Steady frames allocate nothing.
 class DynamicOverlay {
   public:
-    explicit DynamicOverlay(const scene::StaticScene& scene)
-        : scene_(scene), first_id_(std::uint32_t(scene.instances.size())) {}
+    explicit DynamicOverlay(const scene::StaticScene& scene);
+    DynamicOverlay(const DynamicOverlay&) = delete;
+    DynamicOverlay& operator=(const DynamicOverlay&) = delete;
 
     /// Puts the instances that are nearer than the depths in `visibility` there; ids from the scene's instance count
     /// on.
@@ -33,7 +37,9 @@ class DynamicOverlay {
   private:
     scene::StaticScene scene_;  ///< the static arrays, with the moving instances in place of the others
     std::uint32_t first_id_;
-    std::vector<scene::BvhNode> nodes_;
+    scene::MovingBvh tree_;
+    std::unique_ptr<farfield::RayCaster> caster_;  ///< of scene_
+    MovingTiles tiles_;
     farfield::VisibilityBuffer visibility_;
 };
 

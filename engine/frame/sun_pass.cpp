@@ -62,7 +62,7 @@ void bound_moving(std::span<const scene::Instance> dynamic, std::vector<farfield
     for (const scene::Instance& instance : dynamic)
         if (!instance.bounds.is_empty())
             out.push_back({(instance.bounds.low + instance.bounds.high) * 0.5,
-                           glm::length(instance.bounds.high - instance.bounds.low) * 0.5});
+                           glm::length(instance.bounds.high - instance.bounds.low) * 0.5, instance.bounds});
 }
 
 const std::uint8_t* find_sun(const FramePlan& plan, const scene::StaticScene& scene,
@@ -121,7 +121,7 @@ const farfield::SunRays* begin_sun_of_layers(const FramePlan& plan, const scene:
                                              std::unique_ptr<SunLight>& sun) {
     if (!plan.sun_shadows) return nullptr;
     SunLight& light = made(scene, sun);
-    light.rays.begin_tiles(plan.dynamic, scene.environment.to_sun);
+    light.rays.begin_tiles(plan.dynamic, plan.environment.to_sun);
     return &light.rays;
 }
 

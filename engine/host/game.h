@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "engine/animation/dynamic_models.h"
 #include "engine/core/result.h"
 #include "engine/loop/controls.h"
 #include "engine/loop/user_command.h"
@@ -43,7 +44,9 @@ struct SunPosition {
 struct GameView {
     Camera camera;
     std::vector<scene::Instance> dynamic;
-    std::optional<SunPosition> sun;  ///< nothing: as the world has it
+    std::vector<animation::ModelState> models;  ///< that move of themselves, in poses of now
+    std::optional<SunPosition> sun;             ///< nothing: as the world has it
+    double time_s = 0.0;                        ///< since the session began: what weather and water move by
     std::vector<HudItem> hud;
     double turn_scale = 1.0;  ///< of looking around: below 1 through a spyglass
 };
@@ -69,6 +72,8 @@ class Game {
     virtual void show(double fraction, GameView& out) = 0;
 
     [[nodiscard]] virtual Stage stage() const = 0;
+    /// Where the session stands, in a line for logs and reports.
+    [[nodiscard]] virtual std::string status() const = 0;
     /// A sentence or two for the end screen.
     [[nodiscard]] virtual std::string end_text() const = 0;
     /// Where the player looks, radians: at the beginning and after a load.
@@ -82,6 +87,13 @@ class Game {
     virtual Status load(std::span<const std::byte> state, std::uint32_t version) = 0;
 };
 
+/// Plays by itself: for playtests and recordings of load. Sees the game, commands like a player.
+class AutoPlayer {
+  public:
+    virtual ~AutoPlayer() = default;
+    [[nodiscard]] virtual loop::UserCommand next() = 0;
+};
+
 /// A game as the host starts it.
 struct GameInfo {
     std::string name;   ///< of files and folders: lower-case letters, digits, dashes
@@ -92,6 +104,8 @@ struct GameInfo {
     std::vector<loop::Action> actions;  ///< the walking ones first; see loop::Controls
     /// Begins a session. Errors (bad input): the world lacks something that the game needs.
     std::function<Result<std::unique_ptr<Game>>(const scene::World& world, std::uint64_t seed)> begin;
+    /// One that tries to win, for a game that begin() made; null: there is none.
+    std::function<std::unique_ptr<AutoPlayer>(Game& game, std::uint64_t seed)> winner;
 };
 
 /// Ticks of every game a second.

@@ -7,10 +7,10 @@
 #include "engine/core/log.h"
 #include "engine/core/stopwatch.h"
 #include "engine/core/write_file.h"
-#include "engine/frame/renderer.h"
 #include "engine/host/player_settings.h"
 #include "engine/host/screen.h"
 #include "engine/host/session.h"
+#include "engine/host/view_drawer.h"
 #include "engine/loop/save_game.h"
 #include "engine/nearfield/near_renderer.h"
 #include "engine/platform/window.h"
@@ -26,7 +26,7 @@ constexpr double kMouseRadiansPx = 0.0022;
 /// One run of the program: what lives as long as the window.
 class Player {
   public:
-    Player(const GameInfo& info, const PlayOptions& options, const scene::World& world)
+    Player(const GameInfo& info, const PlayOptions& options, scene::World& world)
         : info_(info),
           options_(options),
           world_(world),
@@ -54,7 +54,7 @@ class Player {
 
     const GameInfo& info_;
     const PlayOptions& options_;
-    const scene::World& world_;
+    scene::World& world_;
     std::filesystem::path folder_;
     PlayerSettings settings_;
     loop::Controls controls_;
@@ -62,10 +62,8 @@ class Player {
     std::optional<platform::Window> window_;
     std::optional<nearfield::NearRenderer> near_renderer_;
     std::optional<Screen> screen_;
-    std::unique_ptr<frame::Casters> casters_;
-    std::unique_ptr<frame::Renderer> renderer_;
+    std::optional<ViewDrawer> drawer_;
     shading::Image image_;
-    int width_ = 0, height_ = 0;  ///< of the renderer
 
     std::unique_ptr<Session> session_;
     GameView view_;
@@ -102,7 +100,7 @@ void Player::store_settings() {
 Status Player::begin_session(const loop::SavedGame* saved) {
     end_session();
     SessionSettings settings{.seed = options_.seed,
-                             .pack_name = options_.pack.filename().string(),
+                             .pack_name = std::filesystem::absolute(options_.pack).string(),
                              .player_settings = to_text(settings_),
                              .recording = {},
                              .start = {},
@@ -114,7 +112,7 @@ Status Player::begin_session(const loop::SavedGame* saved) {
     }
     FF_ASSIGN(session_, Session::begin(info_, world_, settings));
     controls_.look_at(session_->game().yaw(), session_->game().pitch());
-    if (renderer_) renderer_->reset();
+    if (drawer_) drawer_->reset();
     return {};
 }
 
@@ -195,23 +193,18 @@ Status Player::act(Choice choice) {
 }
 
 Status Player::draw() {
-    if (!renderer_ || width_ != settings_.width || height_ != settings_.height) {
-        width_ = settings_.width;
-        height_ = settings_.height;
-        renderer_ = std::make_unique<frame::Renderer>(world_.scene(), *casters_, &*near_renderer_, width_, height_);
-    }
     frame::FrameSettings frame_settings;
     frame_settings.budget_ms = options_.budget_ms.value_or(settings_.budget_ms);
     if (settings_.fov_deg != 0.0) view_.camera.vertical_fov *= radians_of(settings_.fov_deg) / info_.fov;
-    const frame::FrameStats& stats = renderer_->draw(view_.camera, view_.dynamic, frame_settings, image_);
-    FF_TRY(renderer_->refusal());
+    FF_TRY(drawer_->draw(view_, settings_.width, settings_.height, frame_settings, image_));
     const platform::FramebufferSize size = window_->framebuffer_size();
     FF_TRY(near_renderer_->present(image_, size.width, size.height));
     rows_.clear();
     if (show_rows_) {
-        rows_.emplace_back("frame", fmt::format("{:.1f} ms of {:.1f}", stats.frame_ms, frame_settings.budget_ms));
-        rows_.emplace_back("drawn at",
-                           fmt::format("{} x {}", renderer_->plan().view.width, renderer_->plan().view.height));
+        rows_.emplace_back("frame",
+                           fmt::format("{:.1f} ms of {:.1f}", drawer_->stats().frame_ms, frame_settings.budget_ms));
+        rows_.emplace_back("drawn at", fmt::format("{} x {}", drawer_->renderer().plan().view.width,
+                                                   drawer_->renderer().plan().view.height));
         rows_.emplace_back("tick", fmt::format("{}", session_->game().ticks()));
     }
     return {};
@@ -250,7 +243,7 @@ Status Player::run() {
     near_renderer_.emplace(std::move(near_renderer));
     FF_ASSIGN(Screen screen, Screen::make(*window_));
     screen_.emplace(std::move(screen));
-    casters_ = std::make_unique<frame::Casters>(world_.scene());
+    drawer_.emplace(world_, &*near_renderer_);
     FF_TRY(begin_session(nullptr));
     open(options_.skip_title ? Menu::none : Menu::title);
     Stopwatch clock;

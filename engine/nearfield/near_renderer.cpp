@@ -85,8 +85,24 @@ struct NearRenderer::Impl {
         glBindBufferRange(GL_UNIFORM_BUFFER, binding, stream.id(), GLintptr(stream.offset()), GLsizeiptr(bytes));
     }
 
+    /// Meshes in poses are new every frame: those of the list are uploaded again.
+    void write_poses() {
+        const std::size_t first_pose = scene.meshes.size() - scene.posed_mesh_count;
+        for (const std::uint32_t id : list.mesh_order) {
+            if (id < first_pose) continue;
+            const scene::Mesh& mesh = scene.meshes[id];
+            const auto write = [&](auto array, gl::Buffer& buffer) {
+                buffer.write(mesh.first_vertex * sizeof array[0],
+                             std::as_bytes(array.subspan(mesh.first_vertex, mesh.vertex_count)));
+            };
+            write(scene.positions, gpu.positions);
+            write(scene.attributes, gpu.attributes);
+        }
+    }
+
     /// Uploads the list; before its first draw.
     void begin_list() {
+        write_poses();
         const std::size_t record_bytes = list.records.size() * sizeof(InstanceRecord);
         if (record_bytes > 0) std::memcpy(records.begin(record_bytes).data(), list.records.data(), record_bytes);
         const std::size_t command_bytes = list.commands.size() * sizeof(DrawCommand);

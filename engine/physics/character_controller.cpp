@@ -3,7 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
+
+#include "engine/physics/numbers.h"
 
 namespace ff::physics {
 namespace {
@@ -95,6 +98,8 @@ void CharacterController::move(Character& c, double tick_s, std::vector<Push>& p
         walk(c, flat * tick_s, tick_s);
     else
         fall(c, tick_s);
+    // Past the end of the world it stays there.
+    c.feet = glm::clamp(c.feet, DVec3(-kMaxCoordinate_m), DVec3(kMaxCoordinate_m));
     push_bodies(c, wish, tick_s, pushes);
 }
 
@@ -111,6 +116,7 @@ void CharacterController::crouch_or_rise(Character& c) {
 
 // What it stands on takes it along; what is in the way there holds it.
 void CharacterController::ride(Character& c, double tick_s) {
+    c.ridden = DVec3(0.0);
     if (!c.on_ground || !c.ground) return;
     const Body* const body = bodies_.find(c.ground);
     if (body == nullptr) {
@@ -121,7 +127,8 @@ void CharacterController::ride(Character& c, double tick_s) {
     if (along == DVec3(0.0)) return;
     // The body itself has moved already; it would stop its own passenger.
     const auto hit = query_.sweep(c.capsule(c.feet), c.desc.radius_m, along, {.except = c.ground});
-    c.feet += along * (hit ? hit->time : 1.0);
+    c.ridden = along * (hit ? hit->time : 1.0);
+    c.feet += c.ridden;
     // What drops away faster than things fall leaves it behind.
     if (along.y < -double(c.desc.step_height_m) - double(c.desc.gravity_m_s2) * tick_s) c.on_ground = false;
 }
@@ -165,7 +172,6 @@ CharacterController::Slide CharacterController::slide(const Character& c, DVec3 
 
         DVec3 normal = hit->normal;
         if (normal.y < steepest) {
-            out.hit_wall = true;
             // Too steep to be walked: it must not lift who goes against it. Met again, it is taken as it is.
             const DVec3 upright = level(normal);
             const DVec3 turned = along - normal * glm::dot(along, normal);
@@ -215,14 +221,14 @@ CharacterController::Ground CharacterController::ground_at(const Character& c, c
     return out;
 }
 
-bool CharacterController::follow_down(const Character& c, double depth, DVec3& feet) {
+CharacterController::Ground CharacterController::follow_down(const Character& c, double depth, DVec3& feet) {
     const DVec3 down(0.0, -depth, 0.0);
     const auto hit = query_.sweep(c.capsule(feet), c.desc.radius_m, down, {});
-    if (!hit) return false;
+    if (!hit) return {};
     const DVec3 reached = feet + down * hit->time;
-    if (!ground_at(c, reached).found) return false;
-    feet = reached;
-    return true;
+    const Ground ground = ground_at(c, reached);
+    if (ground.found) feet = reached;
+    return ground;
 }
 
 bool CharacterController::step_up(const Character& c, const DVec3& along, const DVec3& reached, DVec3& feet) {
@@ -233,8 +239,9 @@ bool CharacterController::step_up(const Character& c, const DVec3& along, const 
     const DVec3 risen = up * (ceiling ? ceiling->time : 1.0);
     DVec3 at = slide(c, c.feet + risen, along, true).feet;
     if (glm::dot(at - reached, ahead) <= 1e-3 * glm::length(along)) return false;  // no farther than without
-    if (!follow_down(c, risen.y + double(c.desc.step_height_m), at)) return false;
-    if (at.y - c.feet.y > double(c.desc.step_height_m) + kGroundReach_m) return false;
+    const Ground ground = follow_down(c, risen.y + double(c.desc.step_height_m), at);
+    // By what it would stand on, not by its feet: the round foot is still beside a high step's edge.
+    if (!ground.found || ground.point.y - c.feet.y > double(c.desc.step_height_m) + kGroundReach_m) return false;
     feet = at;
     return true;
 }
@@ -253,21 +260,15 @@ void CharacterController::walk(Character& c, const DVec3& along, double tick_s) 
             step_up(c, along, feet, stepped))
             feet = stepped;
     }
-    const bool follows = follow_down(c, double(c.desc.step_height_m) + kGroundReach_m, feet);
+    Ground ground = follow_down(c, double(c.desc.step_height_m) + kGroundReach_m, feet);
     c.feet = feet;
-    const Ground ground = ground_at(c, feet);
     if (along != DVec3(0.0)) {
         // What was stopped has no speed to keep; a step up or down is none either.
         const DVec3 moved = level(feet - start);
-        const double length2 = glm::dot(along, along);
-        c.velocity = c.velocity * std::clamp(glm::dot(moved, along) / length2, 0.0, 1.0);
+        const double longest = glm::length(along), length = glm::length(moved);
+        c.velocity = moved * (length > longest ? longest / (length * tick_s) : 1.0 / tick_s);
     }
     c.velocity.y = 0.0;
-    if (follows && ground.found) {
-        c.ground = ground.body;
-        c.ground_normal = ground.normal;
-        return;
-    }
     if (const Body* const body = bodies_.find(c.ground); body != nullptr && !ground.found)
         c.velocity += carried(body->before, body->frame, start) / tick_s;  // off the edge, it keeps that motion
     c.on_ground = ground.found;
@@ -278,6 +279,8 @@ void CharacterController::walk(Character& c, const DVec3& along, double tick_s) 
 void CharacterController::fall(Character& c, double tick_s) {
     c.velocity.y = std::max(c.velocity.y - double(c.desc.gravity_m_s2) * tick_s, -double(c.desc.max_fall_m_s));
     const DVec3 start = c.feet;
+    const bool falling = c.velocity.y < 0.0;
+    const double wanted = glm::length(c.velocity) * tick_s;
     const Slide moved = slide(c, start, c.velocity * tick_s, false);
     c.feet = moved.feet;
     if (moved.hit) {
@@ -287,8 +290,11 @@ void CharacterController::fall(Character& c, double tick_s) {
         c.velocity = now > before ? gone * (before / now) : gone;
     }
     const Ground ground = c.velocity.y <= 0.0 || moved.hit ? ground_at(c, c.feet) : Ground{};
-    c.on_ground = ground.found && c.velocity.y <= kTiny + std::max(0.0, -glm::dot(level(c.velocity), ground.normal) /
-                                                                            std::max(ground.normal.y, 0.1));
+    // How fast the ground falls away under a level motion: who rises faster than that has left it.
+    const double along_ground = -glm::dot(level(c.velocity), ground.normal) / std::max(ground.normal.y, 0.1);
+    c.on_ground = ground.found && c.velocity.y <= kTiny + std::max(0.0, along_ground);
+    // Wedged in, by whatever: what cannot fall stands, and may step or jump out.
+    if (!ground.found && falling && glm::length(c.feet - start) < 0.01 * wanted) c.on_ground = true;
     c.ground = c.on_ground ? ground.body : BodyId{};
     c.ground_normal = c.on_ground ? ground.normal : kUp;
     if (c.on_ground) c.velocity.y = 0.0;

@@ -31,7 +31,7 @@ struct Character {
 
     // Derived.
     std::shared_ptr<const Geometry> standing, crouched;
-    DVec3 moved{0.0};         ///< by the step that goes on
+    DVec3 ridden{0.0};        ///< in the step that goes on
     std::int32_t place = -1;  ///< in the lists of that step
 
     [[nodiscard]] double height() const { return double(crouching ? desc.crouch_height_m : desc.height_m); }
@@ -51,7 +51,9 @@ struct Push {
 class CharacterController {
   public:
     CharacterController(const scene::StaticScene& scene, const BodyStore& bodies)
-        : bodies_(bodies), query_(scene, bodies) {}
+        : bodies_(bodies), query_(scene, bodies, slots_) {}
+    CharacterController(const CharacterController&) = delete;
+    CharacterController& operator=(const CharacterController&) = delete;
 
     /// @param pushes  appended
     void move(Character& character, double tick_s, std::vector<Push>& pushes);
@@ -68,7 +70,6 @@ class CharacterController {
     struct Slide {
         DVec3 feet{0.0};
         bool hit = false;
-        bool hit_wall = false;  ///< something that cannot be walked
     };
     void crouch_or_rise(Character& c);
     void ride(Character& c, double tick_s);
@@ -77,11 +78,12 @@ class CharacterController {
     void fall(Character& c, double tick_s);
     [[nodiscard]] Slide slide(const Character& c, DVec3 feet, DVec3 along, bool walking);
     [[nodiscard]] bool step_up(const Character& c, const DVec3& along, const DVec3& reached, DVec3& feet);
-    [[nodiscard]] bool follow_down(const Character& c, double depth, DVec3& feet);
+    [[nodiscard]] Ground follow_down(const Character& c, double depth, DVec3& feet);
     [[nodiscard]] Ground ground_at(const Character& c, const DVec3& feet);
     void push_bodies(const Character& c, const DVec3& wished, double tick_s, std::vector<Push>& pushes);
 
     const BodyStore& bodies_;
+    std::vector<std::uint32_t> slots_;  // scratch of query_
     ObstacleQuery query_;
     std::vector<Obstacle> near_;  // scratch
     std::vector<Obstacle> met_;   // dynamic bodies that this tick's slides hit

@@ -102,6 +102,7 @@ struct IslandSolver::Impl {
             point.m_positionWorldOnB = on_b;
             point.m_combinedFriction = pair.friction;
             point.m_combinedRestitution = pair.restitution;
+            point.m_combinedRollingFriction = point.m_combinedSpinningFriction = pair.rolling_m;
             const int same = home->getCacheEntry(point);
             if (same < 0)
                 home->addManifoldPoint(point);
@@ -111,10 +112,9 @@ struct IslandSolver::Impl {
     }
 };
 
-IslandSolver::IslandSolver(double tick_s, int iterations) : impl_(std::make_unique<Impl>()) {
+IslandSolver::IslandSolver(double tick_s, int iterations) : iterations_(iterations), impl_(std::make_unique<Impl>()) {
     btContactSolverInfo& info = impl_->info;
     info.m_timeStep = btScalar(tick_s);
-    info.m_numIterations = iterations;
     info.m_solverMode = SOLVER_USE_2_FRICTION_DIRECTIONS;
     info.m_splitImpulse = 1;
     info.m_splitImpulsePenetrationThreshold = 0.0f;  // depth is never turned into speed
@@ -133,6 +133,9 @@ void IslandSolver::solve(std::span<SolverBody> bodies, std::span<const std::uint
     s.touched.clear();
     s.used.clear();
     s.of_body.resize(bodies.size(), nullptr);
+    // A push has to get through the whole pile within the tick: what stands alone needs few, a stack many.
+    constexpr int kMostFor = 16;
+    s.info.m_numIterations = iterations_ + iterations_ / 3 * (std::min(int(members.size()), kMostFor) - 1);
     // Whole metres: what is the same but for where it stands comes out the same.
     const DVec3 origin = glm::floor(bodies[members.front()].position);
 

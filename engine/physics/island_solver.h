@@ -32,6 +32,7 @@ struct SolverPair {
     std::uint32_t a = 0, b = kScene;
     std::uint32_t first_contact = 0, contact_count = 0;
     float friction = 0.0f, restitution = 0.0f;
+    float rolling_m = 0.0f;  ///< the lever at which the contact's force works against rolling
 };
 
 class IslandSolver {
@@ -46,6 +47,7 @@ class IslandSolver {
 
   private:
     struct Impl;
+    int iterations_;
     std::unique_ptr<Impl> impl_;
 };
 

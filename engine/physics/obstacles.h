@@ -20,10 +20,12 @@ struct Obstacle {
     std::uint32_t instance = 0, triangle = 0;
 };
 
-/// Const, and for many threads at once but for the scratch: one for each thread.
+/// What it looks at may be looked at by many; its scratch belongs to one thread.
 class ObstacleQuery {
   public:
-    ObstacleQuery(const scene::StaticScene& scene, const BodyStore& bodies) : scene_(scene), bodies_(bodies) {}
+    /// @param slots  scratch, borrowed: one for each thread
+    ObstacleQuery(const scene::StaticScene& scene, const BodyStore& bodies, std::vector<std::uint32_t>& slots)
+        : scene_(scene), bodies_(bodies), slots_(slots) {}
 
     /// The first that a moving capsule meets and comes nearer to; ties go to the scene, then to the lower slot.
     /// @param leave_crossed  see touch()
@@ -41,7 +43,7 @@ class ObstacleQuery {
   private:
     const scene::StaticScene& scene_;
     const BodyStore& bodies_;
-    std::vector<std::uint32_t> slots_;  // scratch
+    std::vector<std::uint32_t>& slots_;
     std::uint64_t triangles_tested_ = 0;
 };
 

@@ -27,6 +27,7 @@ struct PhysicsWorld::Impl {
     std::vector<std::uint32_t> awake;  ///< dynamic
     std::vector<std::uint32_t> kinematic;
     std::uint32_t asleep_count = 0;
+    std::uint64_t asleep_sum = 0;  ///< of the hashes of those that sleep
 
     CharacterController controller;
     ContactFinder finder;
@@ -51,6 +52,9 @@ struct PhysicsWorld::Impl {
     void list_bodies();
     void wake(std::uint32_t slot);
     void fall_asleep(std::uint32_t slot);
+    /// Counts a body that sleeps among the sleepers, or no longer.
+    void count_asleep(std::uint32_t slot, bool sleeps);
+    [[nodiscard]] std::uint64_t hash_of(std::uint32_t slot) const;
     /// Wakes what sleeps near a box.
     void wake_near(const DBox3& box);
 
@@ -67,7 +71,8 @@ struct PhysicsWorld::Impl {
 
     std::uint32_t place_of(std::uint32_t slot);
     void activate(std::uint32_t slot);
-    void add_pair(std::uint32_t a, std::uint32_t b, float friction, float restitution);
+    /// Takes what was found; `friction`, `restitution` and `rolling_m` as in SolverPair.
+    void add_pair(const SolverPair& pair);
 };
 
 [[nodiscard]] inline Vec3 inertia_of(const Body& body) {

@@ -1,9 +1,11 @@
 // Everything that lives, as bytes. Little-endian, no padding: what is equal has equal bytes.
 
+#include <array>
 #include <bit>
 #include <cstring>
 #include <type_traits>
 
+#include "engine/core/check.h"
 #include "engine/core/hash.h"
 #include "engine/physics/numbers.h"
 #include "engine/physics/physics_impl.h"
@@ -14,6 +16,23 @@ namespace {
 static_assert(std::endian::native == std::endian::little);
 constexpr std::uint32_t kMagic = 0x50464646;  // "FFFP"
 constexpr std::uint32_t kVersion = 1;
+
+/// One thing's bytes, for its hash; no memory is asked for.
+struct Record {
+    std::array<std::byte, 512> bytes;
+    std::size_t size = 0;
+
+    template <class T>
+    void operator()(const T& value) {
+        static_assert(std::is_arithmetic_v<T> || std::is_enum_v<T>);
+        FF_CHECK(size + sizeof(T) <= bytes.size(), "a record of more than {} bytes", bytes.size());
+        std::memcpy(bytes.data() + size, &value, sizeof(T));
+        size += sizeof(T);
+    }
+    [[nodiscard]] std::uint64_t hash(std::uint64_t seed) const {
+        return hash_bytes(std::span(bytes).first(size), seed);
+    }
+};
 
 /// Writes what it is shown.
 struct Writer {
@@ -87,7 +106,7 @@ void body_record(Archive& archive, Value& b) {
     archive(d.shape.radius_m), archive(d.shape.half_height_m), archive(d.shape.mesh);
     matrix(archive, d.shape.body_from_mesh);
     archive(d.motion), archive(d.mass_kg), archive(d.friction), archive(d.restitution);
-    archive(d.linear_damping), archive(d.angular_damping), archive(d.user);
+    archive(d.rolling_resistance), archive(d.linear_damping), archive(d.angular_damping), archive(d.user);
     frame(archive, b.frame);
     frame(archive, b.before);
     frame(archive, b.target);
@@ -256,8 +275,39 @@ Status PhysicsWorld::set_state(std::span<const std::byte> bytes) {
     return {};
 }
 
+std::uint64_t PhysicsWorld::Impl::hash_of(std::uint32_t slot) const {
+    Record record;
+    body_record(record, bodies[slot]);
+    return record.hash(slot);
+}
+
+// A hash of what moves, and a sum over what sleeps that is kept from tick to tick: a world of sleepers is as cheap as
+// an empty one.
 std::uint64_t PhysicsWorld::hash() const {
-    return hash_bytes(state());
+    const Impl& s = *impl_;
+    Record head;
+    settings_of(head, s.settings);
+    head(s.tick), head(s.asleep_sum), head(s.asleep_count);
+    head(s.bodies.slot_count()), head(s.characters.size());
+    std::uint64_t hash = head.hash(kVersion);
+    for (const auto* const list : {&s.awake, &s.kinematic}) {
+        for (const std::uint32_t slot : *list) {
+            Record record;
+            body_record(record, s.bodies[slot]);
+            hash = record.hash(hash + slot);
+        }
+    }
+    for (const std::uint32_t slot : s.bodies.free_slots()) {
+        Record record;
+        record(slot), record(s.bodies[slot].generation);
+        hash = record.hash(hash);
+    }
+    for (const Character& c : s.characters) {
+        Record record;
+        character_record(record, c);
+        hash = record.hash(hash);
+    }
+    return hash_bytes(std::as_bytes(std::span(s.free_characters)), hash);
 }
 
 }  // namespace ff::physics

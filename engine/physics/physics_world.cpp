@@ -15,26 +15,6 @@ Error not_alive(const char* what, std::uint32_t index, std::uint32_t generation)
     return usage_error(fmt::format("{} {}/{} is not alive", what, index, generation));
 }
 
-bool is_finite(const DVec3& v) {
-    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
-}
-
-Hit hit_of(const Obstacle& o, double distance) {
-    return {distance, o.point, Vec3(o.normal), o.body, o.instance, o.triangle};
-}
-
-/// The way of a ray that may be endless, cut to where something can be; none where it is no ray.
-std::optional<DVec3> way_of(const scene::StaticScene& scene, const BodyStore& bodies, const WorldPos& from,
-                            const Vec3& direction, double max_m, double radius_m) {
-    const double length = glm::length(DVec3(direction));
-    if (!is_finite(from) || !(length > 0.0) || !std::isfinite(length) || !(max_m > 0.0)) return {};
-    DBox3 all = scene.bounds;
-    all.add(bodies.bounds());
-    if (all.is_empty()) return {};
-    const DVec3 farthest = glm::max(glm::abs(all.low - from), glm::abs(all.high - from));
-    return DVec3(direction) * (std::min(max_m, glm::length(farthest) + radius_m + 1.0) / length);
-}
-
 }  // namespace
 
 Status check_body(BodyDesc& desc) {
@@ -44,6 +24,7 @@ Status check_body(BodyDesc& desc) {
     FF_TRY(check_range("mass_kg", desc.mass_kg, 1e-3, 1e6));
     FF_TRY(check_range("friction", desc.friction, 0.0, 10.0));
     FF_TRY(check_range("restitution", desc.restitution, 0.0, 1.0));
+    FF_TRY(check_range("rolling_resistance", desc.rolling_resistance, 0.0, 1.0));
     FF_TRY(check_range("linear_damping", desc.linear_damping, 0.0, 1.0));
     FF_TRY(check_range("angular_damping", desc.angular_damping, 0.0, 1.0));
     if (desc.motion != Motion::dynamic && desc.motion != Motion::kinematic)
@@ -82,7 +63,7 @@ PhysicsWorld::Impl::Impl(const scene::StaticScene& scene_, const PhysicsSettings
       solver(settings_.tick_s, settings_.solver_iterations) {
     FF_CHECK(settings.tick_s >= 1e-4 && settings.tick_s <= 0.1, "tick of {} s", settings.tick_s);
     FF_CHECK(check_vector("gravity", settings.gravity_m_s2, 1000.0), "gravity out of range");
-    FF_CHECK(settings.solver_iterations >= 1 && settings.solver_iterations <= 200, "{} iterations",
+    FF_CHECK(settings.solver_iterations >= 3 && settings.solver_iterations <= 200, "{} iterations",
              settings.solver_iterations);
     FF_CHECK(settings.active_range_m > 0.0, "active range of {} m", settings.active_range_m);
 }
@@ -113,24 +94,33 @@ void PhysicsWorld::Impl::list_bodies() {
     awake.clear();
     kinematic.clear();
     asleep_count = 0;
+    asleep_sum = 0;
     for (std::uint32_t slot = 0; slot < bodies.slot_count(); ++slot) {
         const Body& body = bodies[slot];
         if (!body.alive) continue;
         if (!body.is_dynamic())
             kinematic.push_back(slot);
         else if (body.asleep)
-            ++asleep_count;
+            count_asleep(slot, true);
         else
             awake.push_back(slot);
     }
 }
 
+void PhysicsWorld::Impl::count_asleep(std::uint32_t slot, bool sleeps) {
+    asleep_count += sleeps ? 1u : ~0u;
+    asleep_sum += sleeps ? hash_of(slot) : std::uint64_t(0) - hash_of(slot);
+}
+
 void PhysicsWorld::Impl::wake(std::uint32_t slot) {
     Body& body = bodies[slot];
-    body.still_s = 0.0f;
-    if (!body.is_dynamic() || !body.asleep) return;
+    if (!body.is_dynamic() || !body.asleep) {
+        body.still_s = 0.0f;
+        return;
+    }
+    count_asleep(slot, false);
     body.asleep = false;
-    --asleep_count;
+    body.still_s = 0.0f;
     awake.insert(std::lower_bound(awake.begin(), awake.end(), slot), slot);
 }
 
@@ -139,7 +129,7 @@ void PhysicsWorld::Impl::fall_asleep(std::uint32_t slot) {
     body.asleep = true;
     body.velocity = body.spin = Vec3(0.0f);
     body.before = body.frame;
-    ++asleep_count;
+    count_asleep(slot, true);
     awake.erase(std::lower_bound(awake.begin(), awake.end(), slot));
 }
 
@@ -166,7 +156,7 @@ Result<BodyId> PhysicsWorld::add_body(const BodyDesc& given) {
     const std::uint32_t slot = s.bodies.add(std::move(body));
     std::vector<std::uint32_t>& list = desc.motion == Motion::kinematic ? s.kinematic : s.awake;
     if (s.bodies[slot].asleep)
-        ++s.asleep_count;
+        s.count_asleep(slot, true);
     else
         list.insert(std::lower_bound(list.begin(), list.end(), slot), slot);
     return s.bodies.id_of(slot);
@@ -178,7 +168,7 @@ bool PhysicsWorld::remove_body(BodyId id) {
     if (body == nullptr) return false;
     const DBox3 bounds = body->bounds;
     if (body->is_dynamic() && body->asleep) {
-        --s.asleep_count;
+        s.count_asleep(id.index, false);
     } else {
         std::vector<std::uint32_t>& list = body->is_dynamic() ? s.awake : s.kinematic;
         list.erase(std::lower_bound(list.begin(), list.end(), id.index));
@@ -205,11 +195,11 @@ Status PhysicsWorld::set_pose(BodyId id, const Pose& given) {
     FF_TRY(check_pose(pose));
     Body* const body = s.bodies.find(id);
     if (body == nullptr) return not_alive("body", id.index, id.generation);
+    s.wake(id.index);
     const DBox3 left = body->bounds;
     body->frame = body->before = body->target = frame_of(*body->geometry, pose);
     body->has_target = false;
     s.bodies.update_bounds(id.index);
-    s.wake(id.index);
     s.wake_near(left);
     s.wake_near(body->bounds);
     return {};
@@ -325,51 +315,6 @@ CharacterState PhysicsWorld::character(CharacterId id) const {
     FF_CHECK(c != nullptr, "character {}/{} is not alive", id.index, id.generation);
     return {c->feet,      Vec3(c->velocity), Vec3(c->ground_normal), c->ground,
             c->on_ground, c->crouching,      float(c->height()),     c->desc.user};
-}
-
-// Queries
-
-std::optional<Hit> PhysicsWorld::cast_ray(const WorldPos& from, const Vec3& direction, double max_m,
-                                          const QueryFilter& filter) const {
-    const auto along = way_of(impl_->scene, impl_->bodies, from, direction, max_m, 0.0);
-    if (!along) return {};
-    const auto found = ObstacleQuery(impl_->scene, impl_->bodies).ray(from, *along, filter);
-    if (!found) return {};
-    return hit_of(*found, found->time * glm::length(*along));
-}
-
-std::optional<Hit> PhysicsWorld::cast_sphere(const WorldPos& from, float radius_m, const Vec3& direction, double max_m,
-                                             const QueryFilter& filter) const {
-    if (!(radius_m >= 0.0f) || !std::isfinite(radius_m)) return {};
-    const auto along = way_of(impl_->scene, impl_->bodies, from, direction, max_m, double(radius_m));
-    if (!along) return {};
-    ObstacleQuery query(impl_->scene, impl_->bodies);
-    std::vector<Obstacle> within;
-    query.near({from, from}, radius_m, 0.0, filter, within);
-    const auto deepest = std::min_element(within.begin(), within.end(),
-                                          [](const Obstacle& a, const Obstacle& b) { return a.gap < b.gap; });
-    if (deepest != within.end()) return hit_of(*deepest, 0.0);
-    const auto found = query.sweep({from, from}, radius_m, *along, filter);
-    if (!found) return {};
-    return hit_of(*found, found->time * glm::length(*along));
-}
-
-bool PhysicsWorld::can_see(const WorldPos& from, const WorldPos& to, const QueryFilter& filter) const {
-    if (!is_finite(from) || !is_finite(to)) return false;
-    const DVec3 along = to - from;
-    // What is looked at does not hide itself.
-    constexpr double kSurface_m = 1e-3;
-    const double length = glm::length(along);
-    if (length <= kSurface_m) return true;
-    return !ObstacleQuery(impl_->scene, impl_->bodies).ray(from, along * (1.0 - kSurface_m / length), filter);
-}
-
-void PhysicsWorld::bodies_near(const WorldPos& center, float radius_m, std::vector<BodyId>& out) const {
-    if (!is_finite(center) || !(radius_m >= 0.0f) || !std::isfinite(radius_m)) return;
-    std::vector<Obstacle> touched;
-    ObstacleQuery(impl_->scene, impl_->bodies).near({center, center}, radius_m, 0.0, {.static_scene = false}, touched);
-    for (const Obstacle& o : touched)  // a mesh's triangles follow each other
-        if (out.empty() || !(out.back() == o.body)) out.push_back(o.body);
 }
 
 }  // namespace ff::physics

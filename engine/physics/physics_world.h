@@ -21,7 +21,7 @@ namespace ff::physics {
 struct PhysicsSettings {
     double tick_s = 1.0 / 120.0;            ///< length of a step, [1e-4, 0.1]
     Vec3 gravity_m_s2{0.0f, -9.81f, 0.0f};  ///< on bodies; each component within 1000
-    int solver_iterations = 16;             ///< [1, 200]
+    int solver_iterations = 12;             ///< of a body alone, a third more for each that it touches; [3, 200]
     /// Dynamic bodies farther than this from every character are held where they are, as if time stood still for them.
     /// Without a character none is held. (0, +inf]
     double active_range_m = 300.0;

@@ -74,9 +74,11 @@ struct BodyDesc {
     Pose pose;
     Vec3 velocity_m_s{0.0f};
     Vec3 spin_rad_s{0.0f};
-    float mass_kg = 10.0f;         ///< dynamic: [1e-3, 1e6]
-    float friction = 0.6f;         ///< Coulomb's; two bodies' are multiplied, the static scene's is 1. [0, 10]
-    float restitution = 0.0f;      ///< two bodies' are multiplied, the static scene's is 1. [0, 1]
+    float mass_kg = 10.0f;     ///< dynamic: [1e-3, 1e6]
+    float friction = 0.6f;     ///< Coulomb's; two bodies' are multiplied, the static scene's is 1. [0, 10]
+    float restitution = 0.0f;  ///< two bodies' are multiplied, the static scene's is 1. [0, 1]
+    /// Of spheres and capsules: the slope, as a tangent, on which one stays that does not roll yet. [0, 1]
+    float rolling_resistance = 0.03f;
     float linear_damping = 0.02f;  ///< part of the velocity lost a second, [0, 1]
     float angular_damping = 0.1f;  ///< [0, 1]
     bool asleep = false;           ///< put where it is until something touches it

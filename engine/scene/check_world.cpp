@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "engine/core/jobs.h"
+#include "engine/scene/check_animation.h"
 #include "engine/scene/mesh_slices.h"
 
 namespace ff::scene {
@@ -472,12 +473,16 @@ bool Checker::check_info() {
                             instance.mesh, instance.position.x, instance.position.y, instance.position.z,
                             s_.meshes.size(), kMaxWorldCoordinate));
     }
+    if (const auto problem = find_animation_problem(info_.animation, s_.meshes))
+        return report(problem->array, problem->element, problem->what);
     std::vector<std::string_view> names;
     for (std::size_t i = 0; i < info_.places.size(); ++i) {
         const NamedPlace& place = info_.places[i];
         const std::uint64_t end = std::uint64_t(place.first_instance) + place.instance_count;
+        const std::uint64_t animated_end = std::uint64_t(place.first_animated) + place.animated_count;
         if (place.name.empty() || place.name.size() > kMaxNameBytes || end > info_.dynamic_instances.size() ||
-            !is_within(place.position, kMaxWorldCoordinate) || !is_within(place.yaw, -1e6, 1e6))
+            animated_end > info_.animation.instances.size() || !is_within(place.position, kMaxWorldCoordinate) ||
+            !is_within(place.yaw, -1e6, 1e6))
             return report("places", i,
                           fmt::format("a name of {} bytes and instances {} to {}; expected a name of 1 to {} bytes, a "
                                       "finite place, and some of {} dynamic instances",

@@ -23,6 +23,8 @@ float rounded_up(double x) {
     return double(f) < x ? std::nextafter(f, kInf) : f;
 }
 
+}  // namespace
+
 Box3 relative_box(const DBox3& box, const WorldPos& origin) {
     Box3 out;
     for (int axis = 0; axis < 3; ++axis) {
@@ -31,8 +33,6 @@ Box3 relative_box(const DBox3& box, const WorldPos& origin) {
     }
     return out;
 }
-
-}  // namespace
 
 DBox3 world_box(const Instance& instance, const Box3& box) {
     DBox3 out;

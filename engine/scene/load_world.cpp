@@ -9,6 +9,8 @@
 
 #include "engine/assets/aligned_vector.h"
 #include "engine/core/jobs.h"
+#include "engine/scene/animation_chunk.h"
+#include "engine/scene/check_animation.h"
 #include "engine/scene/check_world.h"
 #include "engine/scene/disk_records.h"
 #include "engine/scene/leaf_blocks.h"
@@ -16,7 +18,7 @@
 namespace ff::scene {
 namespace {
 
-constexpr std::uint64_t kMaxWorldTableBytes = std::uint64_t(1) << 30;  // FlatBuffers end at 2 GiB
+constexpr std::uint64_t kMaxTableBytes = std::uint64_t(1) << 30;  // FlatBuffers end at 2 GiB
 
 /// Cuts one piece of memory into arrays, each at a cache line, with a line to spare behind it: SIMD code may read a
 /// little past the end. First everything is asked for, then allocated, then handed out.
@@ -78,6 +80,12 @@ struct Records {
     std::span<std::uint8_t> leaf_sizes;
 };
 
+/// An array without the room behind it.
+template <class T>
+std::span<const T> stored(std::span<T> array, std::uint64_t room) {
+    return array.first(array.size() - std::size_t(room));
+}
+
 template <class T, class Record>
 void convert(std::span<const Record> records, std::span<T> out) {
     parallel_ranges(records.size(), 4096, [&](std::size_t begin, std::size_t end) {
@@ -92,17 +100,20 @@ class WorldLoader {
     explicit WorldLoader(const assets::PackReader& pack) : pack_(pack) {}
 
     Result<std::unique_ptr<World>> load() {
+        FF_TRY(read_animation());
         FF_TRY(plan_arrays());
         FF_ASSIGN(world_->storage_, arrays_plan_.allocate());
         FF_ASSIGN(const assets::PageBuffer record_memory, records_plan_.allocate());
         FF_TRY(read_chunks());
         convert_records();
         FF_TRY(read_world_table());
-        if (const auto problem = find_world_problem(world_->scene_, world_->info_, arrays_.mesh_leaves.size()))
+        if (const auto problem = find_world_problem(world_->scene_, world_->info_, world_->scene_.mesh_leaves.size()))
             return error_of(*problem);
-        if (const auto problem = make_leaf_blocks(world_->scene_, records_.leaf_sizes, arrays_.mesh_leaves))
+        if (const auto problem = make_leaf_blocks(world_->scene_, records_.leaf_sizes,
+                                                  arrays_.mesh_leaves.first(world_->scene_.mesh_leaves.size())))
             return error_of(*problem);
         world_->count();
+        make_pose_room();
         world_->statistics_.pack_bytes = pack_.file_bytes();
         world_->statistics_.pack_hash = pack_.content_hash();
         return std::move(world_);
@@ -118,40 +129,109 @@ class WorldLoader {
         FF_TRY(plan("materials", records_plan_, records_.materials));
         FF_TRY(plan("textures", records_plan_, records_.textures));
         FF_TRY(plan("mesh_leaves", records_plan_, records_.leaf_sizes));
-        FF_TRY(plan("positions", arrays_plan_, arrays_.positions));
-        FF_TRY(plan("attributes", arrays_plan_, arrays_.attributes));
+        FF_TRY(plan("positions", arrays_plan_, arrays_.positions, pose_room_.vertices));
+        FF_TRY(plan("attributes", arrays_plan_, arrays_.attributes, pose_room_.vertices));
         FF_TRY(plan("indices", arrays_plan_, arrays_.indices));
         FF_TRY(plan("triangle_materials", arrays_plan_, arrays_.triangle_materials));
         FF_TRY(plan("prelit_colors", arrays_plan_, arrays_.prelit_colors));
         FF_TRY(plan("texels", arrays_plan_, arrays_.texels));
-        FF_TRY(plan("mesh_nodes", arrays_plan_, arrays_.mesh_nodes));
+        FF_TRY(plan("mesh_nodes", arrays_plan_, arrays_.mesh_nodes, pose_room_.nodes));
         FF_TRY(plan("instance_nodes", arrays_plan_, arrays_.instance_nodes));
         FF_TRY(plan("heights", arrays_plan_, arrays_.heights));
         FF_TRY(plan("sky_panorama", arrays_plan_, arrays_.sky_panorama));
         for (const assets::PackReader::Chunk& chunk : pack_.chunks())
             if (std::find(known_.begin(), known_.end(), chunk.name) == known_.end())
                 return pack_.error_in(chunk, "unknown to a world; expected one of its arrays");
-        arrays_plan_.ask(arrays_.meshes, pack_.find("meshes")->element_count);
+        arrays_plan_.ask(arrays_.meshes, pack_.find("meshes")->element_count + pose_room_.meshes);
         arrays_plan_.ask(arrays_.instances, pack_.find("instances")->element_count);
         arrays_plan_.ask(arrays_.cells, pack_.find("cells")->element_count);
         arrays_plan_.ask(arrays_.materials, pack_.find("materials")->element_count);
         arrays_plan_.ask(arrays_.textures, pack_.find("textures")->element_count);
-        arrays_plan_.ask(arrays_.mesh_leaves, pack_.find("mesh_leaves")->element_count);
+        arrays_plan_.ask(arrays_.mesh_leaves, pack_.find("mesh_leaves")->element_count + pose_room_.leaves);
         return {};
     }
 
     template <class T>
-    Status plan(std::string_view name, ArrayPlan& plan, std::span<T>& array) {
+    Status plan(std::string_view name, ArrayPlan& plan, std::span<T>& array, std::uint64_t room = 0) {
+        FF_ASSIGN(const std::uint64_t count, elements_of(name, sizeof(T)));
+        known_.push_back(name);
+        plan.ask(array, count + room);
+        fill_.push_back([&array, name, count] {
+            return assets::PackReader::Target{name, std::as_writable_bytes(array.first(std::size_t(count)))};
+        });
+        return {};
+    }
+
+    Result<std::uint64_t> elements_of(std::string_view name, std::size_t element_bytes) const {
         const assets::PackReader::Chunk* chunk = pack_.find(name);
         if (!chunk)
             return bad_input(fmt::format("{}: no chunk {}; expected a world; cook it again", pack_.file_name(), name));
-        if (chunk->element_bytes != sizeof(T))
-            return pack_.error_in(*chunk,
-                                  fmt::format("elements of {} bytes; expected {}", chunk->element_bytes, sizeof(T)));
-        known_.push_back(name);
-        plan.ask(array, chunk->element_count);
-        fill_.push_back([&array, name] { return assets::PackReader::Target{name, std::as_writable_bytes(array)}; });
+        if (chunk->element_bytes != element_bytes)
+            return pack_.error_in(
+                *chunk, fmt::format("elements of {} bytes; expected {}", chunk->element_bytes, element_bytes));
+        return chunk->element_count;
+    }
+
+    /// What moves of itself, where the pack has any, ahead of everything else: it says how much room poses take.
+    Status read_animation() {
+        const assets::PackReader::Chunk* chunk = pack_.find("animation");
+        if (!chunk) return {};
+        known_.push_back("animation");
+        std::span<std::uint8_t> bytes;
+        std::span<disk::Mesh> records;
+        ArrayPlan plan;
+        FF_ASSIGN(const std::uint64_t byte_count, elements_of("animation", 1));
+        FF_ASSIGN(const std::uint64_t mesh_count, elements_of("meshes", sizeof(disk::Mesh)));
+        if (byte_count > kMaxTableBytes)
+            return pack_.error_in(*chunk, fmt::format("{} bytes; expected at most {}", byte_count, kMaxTableBytes));
+        plan.ask(bytes, byte_count);
+        plan.ask(records, mesh_count);
+        FF_ASSIGN(const assets::PageBuffer memory, plan.allocate());
+        const assets::PackReader::Target targets[] = {{"animation", std::as_writable_bytes(bytes)},
+                                                      {"meshes", std::as_writable_bytes(records)}};
+        FF_TRY(pack_.read(targets));
+        AnimationSet& set = world_->info_.animation;
+        if (std::string problem = animation_from_bytes(bytes, set); !problem.empty())
+            return pack_.error_in(*chunk, problem);
+        std::vector<Mesh> meshes(records.size());
+        convert<Mesh, disk::Mesh>(records, meshes);
+        if (const auto problem = find_animation_problem(set, meshes)) return error_of(*problem);
+        pose_room_ = pose_room_size(set, meshes);
+        return check_pose_room();
+    }
+
+    /// The meshes themselves are checked only when all is read: until then no more room is given than a mesh could
+    /// fill that has all of the pack's vertices and a few copies.
+    Status check_pose_room() const {
+        for (const auto& [name, room] :
+             {std::pair("positions", pose_room_.vertices), std::pair("mesh_nodes", pose_room_.nodes),
+              std::pair("mesh_leaves", pose_room_.leaves)}) {
+            const assets::PackReader::Chunk* chunk = pack_.find(name);
+            if (chunk && (room > kMostPoses * chunk->element_count || chunk->element_count + room > 0xFFFFFFFFu))
+                return pack_.error_in(*chunk, fmt::format("skins of more than its {} elements; expected meshes inside",
+                                                          chunk->element_count));
+        }
         return {};
+    }
+
+    /// Everything has been checked and counted: the scene grows by the poses.
+    void make_pose_room() {
+        StaticScene& scene = world_->scene_;
+        const PoseRoomSize used{scene.meshes.size(), scene.positions.size(), scene.mesh_nodes.size(),
+                                scene.mesh_leaves.size()};
+        world_->pose_room_ = {.slots = {},
+                              .meshes = arrays_.meshes,
+                              .positions = arrays_.positions,
+                              .attributes = arrays_.attributes,
+                              .nodes = arrays_.mesh_nodes,
+                              .leaves = arrays_.mesh_leaves};
+        fill_pose_room(world_->info_.animation, used, world_->pose_room_);
+        scene.meshes = arrays_.meshes;
+        scene.posed_mesh_count = std::uint32_t(pose_room_.meshes);
+        scene.positions = arrays_.positions;
+        scene.attributes = arrays_.attributes;
+        scene.mesh_nodes = arrays_.mesh_nodes;
+        scene.mesh_leaves = arrays_.mesh_leaves;
     }
 
     Status read_chunks() {
@@ -170,9 +250,9 @@ class WorldLoader {
 
     Status read_world_table() {
         const assets::PackReader::Chunk& chunk = *pack_.find("world");
-        if (records_.world.size() > kMaxWorldTableBytes)
-            return pack_.error_in(
-                chunk, fmt::format("{} bytes; expected at most {}", records_.world.size(), kMaxWorldTableBytes));
+        if (records_.world.size() > kMaxTableBytes)
+            return pack_.error_in(chunk,
+                                  fmt::format("{} bytes; expected at most {}", records_.world.size(), kMaxTableBytes));
         flatbuffers::Verifier verifier(records_.world.data(), records_.world.size());
         if (!disk::VerifyWorldBuffer(verifier))
             return pack_.error_in(chunk, "malformed; expected a FlatBuffer of world.fbs");
@@ -181,19 +261,19 @@ class WorldLoader {
         StaticScene& scene = world_->scene_;
         scene = {.origin = from_disk(*table.origin()),
                  .bounds = from_disk(*table.bounds()),
-                 .positions = arrays_.positions,
-                 .attributes = arrays_.attributes,
+                 .positions = stored(arrays_.positions, pose_room_.vertices),
+                 .attributes = stored(arrays_.attributes, pose_room_.vertices),
                  .indices = arrays_.indices,
                  .triangle_materials = arrays_.triangle_materials,
                  .prelit_colors = arrays_.prelit_colors,
-                 .meshes = arrays_.meshes,
+                 .meshes = stored(arrays_.meshes, pose_room_.meshes),
                  .instances = arrays_.instances,
                  .cells = arrays_.cells,
                  .materials = arrays_.materials,
                  .textures = arrays_.textures,
                  .texels = arrays_.texels,
-                 .mesh_nodes = arrays_.mesh_nodes,
-                 .mesh_leaves = arrays_.mesh_leaves,
+                 .mesh_nodes = stored(arrays_.mesh_nodes, pose_room_.nodes),
+                 .mesh_leaves = stored(arrays_.mesh_leaves, pose_room_.leaves),
                  .instance_nodes = arrays_.instance_nodes,
                  .height_grid = from_disk(*table.height_grid()),
                  .environment = from_disk(*table.environment())};
@@ -229,7 +309,9 @@ class WorldLoader {
                                        .position = from_disk(*stored->position()),
                                        .yaw = stored->yaw(),
                                        .first_instance = stored->first_instance(),
-                                       .instance_count = stored->instance_count()});
+                                       .instance_count = stored->instance_count(),
+                                       .first_animated = stored->first_animated(),
+                                       .animated_count = stored->animated_count()});
             }
         }
         // Several entries of a FlatBuffer may point to one table: what it holds in all is held against its size.
@@ -263,6 +345,7 @@ class WorldLoader {
     ArrayPlan arrays_plan_, records_plan_;
     Arrays arrays_;
     Records records_;
+    PoseRoomSize pose_room_;
     std::vector<std::string_view> known_;
     std::vector<std::function<assets::PackReader::Target()>> fill_;
 };

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "engine/core/jobs.h"
+#include "engine/scene/animation_chunk.h"
 #include "engine/scene/check_world.h"
 #include "engine/scene/disk_records.h"
 #include "engine/scene/leaf_blocks.h"
@@ -51,8 +52,8 @@ flatbuffers::DetachedBuffer world_table(const SceneData& scene, const WorldInfo&
     for (const NamedPlace& place : info.places) {
         const auto name = builder.CreateString(place.name);
         const disk::DVec3 position = to_disk(place.position);
-        places.push_back(
-            disk::CreateNamedPlace(builder, name, &position, place.yaw, place.first_instance, place.instance_count));
+        places.push_back(disk::CreateNamedPlace(builder, name, &position, place.yaw, place.first_instance,
+                                                place.instance_count, place.first_animated, place.animated_count));
     }
     // A world without any is written as before there were any.
     const auto place_list = places.empty() ? 0 : builder.CreateVector(places);
@@ -67,12 +68,11 @@ flatbuffers::DetachedBuffer world_table(const SceneData& scene, const WorldInfo&
     const disk::Environment environment = to_disk(scene.environment);
     const disk::DVec3 spawn = to_disk(info.spawn_position);
     disk::FinishWorldBuffer(
-        builder,
-        disk::CreateWorld(builder, name, &origin, &bounds, &grid, &environment, &spawn, info.spawn_yaw,
-                          info.source_bytes, dynamic_instances, walk_list, scene.environment.sun_shadows, place_list,
-                          scene.environment.atmosphere.turbidity, scene.environment.atmosphere.brightness,
-                          scene.environment.weather.rain, scene.environment.weather.snow,
-                          scene.environment.weather.wind_m_s.x, scene.environment.weather.wind_m_s.y, lamps));
+        builder, disk::CreateWorld(builder, name, &origin, &bounds, &grid, &environment, &spawn, info.spawn_yaw,
+                                   info.source_bytes, dynamic_instances, walk_list, scene.environment.sun_shadows,
+                                   scene.environment.atmosphere.turbidity, scene.environment.atmosphere.brightness,
+                                   scene.environment.weather.rain, scene.environment.weather.snow,
+                                   scene.environment.weather.wind_m_s.x, scene.environment.weather.wind_m_s.y, lamps, place_list));
     return builder.Release();
 }
 
@@ -107,6 +107,7 @@ Result<std::uint64_t> write_world(const std::filesystem::path& path, const Scene
     FF_TRY(add_array(pack, "instance_nodes", scene.instance_nodes));
     FF_TRY(add_array(pack, "heights", scene.heights));
     FF_TRY(add_array(pack, "sky_panorama", scene.sky_panorama));
+    if (!info.animation.models.empty()) FF_TRY(add_array(pack, "animation", animation_to_bytes(info.animation)));
     return pack.finish();
 }
 

@@ -111,6 +111,9 @@ struct StaticScene {
     std::span<const std::uint16_t> triangle_materials;  ///< 1 per triangle
     std::span<const std::uint32_t> prelit_colors;       ///< 1 per triangle: mean base colour, RGBA8 linear (P1 4.6)
     std::span<const Mesh> meshes;
+    /// The last so many meshes are poses (pose_room.h): what they hold changes between frames, no instance of
+    /// `instances` is one, and their triangles are another mesh's.
+    std::uint32_t posed_mesh_count = 0;
     std::span<const Instance> instances;
     std::span<const Cell> cells;
     std::span<const Material> materials;

@@ -5,8 +5,13 @@
 
 namespace ff::scene {
 
-World::World(SceneData data, WorldInfo info) : data_(std::move(data)), scene_(data_.view()), info_(std::move(info)) {
+World::World(SceneData data, WorldInfo info) : data_(std::move(data)), info_(std::move(info)) {
+    scene_ = data_.view();
     count();
+    pose_room_ = add_pose_room(info_.animation, data_);
+    const auto stored = std::uint32_t(scene_.meshes.size());
+    scene_ = data_.view();
+    scene_.posed_mesh_count = std::uint32_t(scene_.meshes.size()) - stored;
 }
 
 const NamedPlace* World::find_place(std::string_view name) const {
@@ -27,6 +32,12 @@ void World::count() {
     for (const Cell& cell : scene_.cells) statistics_.instanced_triangles += cell.triangle_count;
     for (const DynamicInstance& instance : info_.dynamic_instances)
         statistics_.instanced_triangles += scene_.meshes[instance.mesh].triangle_count;
+    for (const AnimatedInstance& instance : info_.animation.instances) {
+        const AnimatedModel& model = info_.animation.models[instance.model];
+        for (const RigidPart& part : model.parts)
+            statistics_.instanced_triangles += scene_.meshes[part.mesh].triangle_count;
+        for (const Skin& skin : model.skins) statistics_.instanced_triangles += scene_.meshes[skin.mesh].triangle_count;
+    }
     const auto bytes = [](auto... arrays) { return (arrays.size_bytes() + ...); };
     statistics_.memory_bytes =
         bytes(scene_.positions, scene_.attributes, scene_.indices, scene_.triangle_materials, scene_.prelit_colors,

@@ -9,13 +9,16 @@
 #include <vector>
 
 #include "engine/assets/page_buffer.h"
+#include "engine/scene/animation.h"
+#include "engine/scene/pose_room.h"
 #include "engine/scene/scene_data.h"
 #include "engine/scene/static_scene.h"
 #include "engine/scene/walk.h"
 
 namespace ff::scene {
 
-/// A mesh of the static scene placed where it may move: what the game starts with.
+/// A mesh of the static scene placed where it may move: what the game starts with. It moves as a whole; what moves of
+/// itself is an AnimatedInstance.
 struct DynamicInstance {
     std::uint32_t mesh = 0;
     WorldPos position{0.0};
@@ -30,6 +33,7 @@ struct NamedPlace {
     WorldPos position{0.0};                                ///< metres
     double yaw = 0.0;                                      ///< radians, as Camera::yaw
     std::uint32_t first_instance = 0, instance_count = 0;  ///< the model's, of WorldInfo::dynamic_instances
+    std::uint32_t first_animated = 0, animated_count = 0;  ///< likewise, of AnimationSet::instances
 
     friend bool operator==(const NamedPlace&, const NamedPlace&) = default;
 };
@@ -41,20 +45,21 @@ struct WorldInfo {
     double spawn_yaw = 0.0;        ///< radians, as Camera::yaw
     std::vector<DynamicInstance> dynamic_instances;
     std::vector<NamedPlace> places;
+    AnimationSet animation;
     std::vector<Walk> walks;         ///< names are unique and not empty
     std::uint64_t source_bytes = 0;  ///< of the files that it was cooked from
 };
 
 struct WorldStatistics {
     std::uint64_t triangles = 0;            ///< stored
-    std::uint64_t instanced_triangles = 0;  ///< as drawn: each instance counted, dynamic ones too
+    std::uint64_t instanced_triangles = 0;  ///< as drawn: each instance counted, those that move too
     std::uint64_t vertices = 0;
     std::uint64_t memory_bytes = 0;  ///< of the static scene's arrays
     std::uint64_t pack_bytes = 0;    ///< of the file; 0 without one
     std::uint64_t pack_hash = 0;     ///< names the file's contents; 0 without one
 };
 
-/// Owns everything that its scene() borrows. Read-only, any thread.
+/// Owns everything that its scene() borrows. Read-only, any thread; but for what pose_room() gives.
 class World {
   public:
     /// A world from arrays in memory. The scene must be finished.
@@ -67,6 +72,8 @@ class World {
     [[nodiscard]] const WorldStatistics& statistics() const { return statistics_; }
     /// The place of that name, or nullptr.
     [[nodiscard]] const NamedPlace* find_place(std::string_view name) const;
+    /// Where skinned meshes are put into poses; between frames, by one owner (animation::DynamicModels).
+    [[nodiscard]] const PoseRoom& pose_room() { return pose_room_; }
     /// The walk of that name, or nullptr.
     [[nodiscard]] const Walk* find_walk(std::string_view name) const;
 
@@ -80,6 +87,7 @@ class World {
     std::vector<Lamp> lamps_;     ///< likewise
     StaticScene scene_;
     WorldInfo info_;
+    PoseRoom pose_room_;
     WorldStatistics statistics_;
 };
 

@@ -11,7 +11,7 @@ namespace ff::beacons {
 namespace {
 
 /// What of a beacon is looked for: the middle of its basket.
-constexpr DVec3 kBasket{0.0, 3.0, 0.0};
+constexpr DVec3 kBasket{0.0, 5.7, 0.0};
 
 bool is_spotted_from(const physics::PhysicsWorld& physics, const WorldPos& eye, const DVec3& look,
                      const WorldPos& basket) {

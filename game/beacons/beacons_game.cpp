@@ -4,6 +4,7 @@
 
 #include "game/beacons/rules.h"
 #include "game/beacons/state.h"
+#include "game/beacons/winner.h"
 
 namespace ff::beacons {
 namespace {
@@ -27,6 +28,17 @@ class BeaconsGame final : public host::Game {
     }
     void show(double fraction, host::GameView& out) override { show_state(state_, fraction, out); }
     host::Stage stage() const override { return const_cast<State&>(state_).day().stage; }
+    std::string status() const override {
+        const ecs::Registry& registry = state_.registry;
+        int lit = 0, spotted = 0;
+        for (const ecs::Entity entity : state_.level.beacons) {
+            lit += registry.get<Beacon>(entity)->lit ? 1 : 0;
+            spotted += registry.get<Beacon>(entity)->spotted ? 1 : 0;
+        }
+        const WorldPos& at = registry.get<ecs::LocalTransform>(state_.level.player)->position;
+        return fmt::format("{:.1f} s: at ({:.1f}, {:.1f}, {:.1f}), {} beacons lit, {} spotted, of {}",
+                           double(ticks()) * kTick, at.x, at.y, at.z, lit, spotted, state_.level.beacons.size());
+    }
     std::string end_text() const override {
         const double minutes = double(ticks()) * kTick / 60.0;
         return stage() == host::Stage::won
@@ -42,6 +54,8 @@ class BeaconsGame final : public host::Game {
     Status load(std::span<const std::byte> bytes, std::uint32_t version) override {
         return load_state(state_, bytes, version);
     }
+
+    [[nodiscard]] State& state() { return state_; }
 
   private:
     State state_;
@@ -72,7 +86,8 @@ const host::GameInfo& game_info() {
             auto game = std::make_unique<BeaconsGame>(world, seed);
             FF_TRY(game->begin());
             return std::unique_ptr<host::Game>(std::move(game));
-        }};
+        },
+        .winner = [](host::Game& game, std::uint64_t) { return make_winner(static_cast<BeaconsGame&>(game).state()); }};
     return info;
 }
 

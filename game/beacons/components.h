@@ -13,7 +13,8 @@ namespace ff::beacons {
 /// Meshes of the world that show an entity: some of WorldInfo::dynamic_instances, where its transform puts them.
 struct Model {
     std::uint32_t first_instance = 0, instance_count = 0;
-    WorldPos placed_at{0.0};  ///< where the world has them
+    std::uint32_t first_animated = 0, animated_count = 0;  ///< likewise, of AnimationSet::instances
+    WorldPos placed_at{0.0};                               ///< where the world has them
     glm::quat placed_turn{1.0f, 0.0f, 0.0f, 0.0f};
 };
 

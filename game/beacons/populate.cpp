@@ -40,6 +40,7 @@ class Populator {
         if (s_.level.beacons.empty())
             return bad_input(fmt::format("{}: has no place called beacon.1; expected one for each beacon of the game",
                                          world_.info().name));
+        add_scenery();
         FF_TRY(add_travellers("cart", 1.6f, 0.0f));
         FF_TRY(add_travellers("boat", 2.0f, 0.12f));
         add_flocks();
@@ -55,6 +56,19 @@ class Populator {
         return entity;
     }
 
+    void add_scenery() {
+        const scene::WorldInfo& info = world_.info();
+        std::vector<bool> named(info.dynamic_instances.size()), named_animated(info.animation.instances.size());
+        for (const NamedPlace& place : info.places) {
+            for (std::uint32_t i = 0; i < place.instance_count; ++i) named[place.first_instance + i] = true;
+            for (std::uint32_t i = 0; i < place.animated_count; ++i) named_animated[place.first_animated + i] = true;
+        }
+        for (std::uint32_t i = 0; i < named.size(); ++i)
+            if (!named[i]) s_.level.scenery.push_back({.first_instance = i, .instance_count = 1});
+        for (std::uint32_t i = 0; i < named_animated.size(); ++i)
+            if (!named_animated[i]) s_.level.scenery.push_back({.first_animated = i, .animated_count = 1});
+    }
+
     void add_player() {
         const scene::WorldInfo& info = world_.info();
         s_.view() = {kFov, std::int32_t(std::lround(info.spawn_yaw * 1e6)), 0};
@@ -64,7 +78,8 @@ class Populator {
     }
 
     Model model_of(const NamedPlace& place) const {
-        return {place.first_instance, place.instance_count, place.position, turn_of(place.yaw)};
+        return {place.first_instance, place.instance_count, place.first_animated,
+                place.animated_count, place.position,       turn_of(place.yaw)};
     }
 
     void add_beacons() {
@@ -93,14 +108,13 @@ class Populator {
     void add_flocks() {
         std::uint32_t flock = 0;
         for (const NamedPlace* place : places_called(world_, "flock")) {
-            // Each instance of the model is a bird.
-            for (std::uint32_t i = 0; i < place->instance_count; ++i) {
-                const double angle = 2.0 * kPi * i / std::max(1u, place->instance_count);
-                const DVec3 offset(8.0 * std::cos(angle), 2.0 * std::sin(3.0 * angle), 8.0 * std::sin(angle));
-                const Vec3 velocity(float(-6.0 * std::sin(angle)), 0.0f, float(6.0 * std::cos(angle)));
-                const Model model{place->first_instance + i, 1, place->position, turn_of(place->yaw)};
+            for (std::uint32_t i = 0; i < kFlock; ++i) {
+                const double angle = 2.0 * kPi * i / kFlock;
+                const DVec3 offset(9.0 * std::cos(angle), 2.0 * std::sin(3.0 * angle), 9.0 * std::sin(angle));
+                const Vec3 velocity(float(-7.0 * std::sin(angle)), 0.0f, float(7.0 * std::cos(angle)));
                 s_.level.birds.push_back(add(fmt::format("bird {} of {}", i + 1, place->name),
-                                             standing_at(place->position + offset, 0.0), model, Bird{velocity, flock}));
+                                             standing_at(place->position + offset, 0.0), model_of(*place),
+                                             Bird{velocity, flock}));
             }
             ++flock;
         }

@@ -25,17 +25,26 @@ Pose between(const Before& before, const ecs::LocalTransform& now, double fracti
             glm::normalize(glm::slerp(before.rotation, now.rotation, float(fraction)))};
 }
 
-/// The model's instances, moved with the entity from where the world has them.
-void add_instances(const scene::World& world, const Model& model, const Pose& pose, std::vector<scene::Instance>& out) {
-    const glm::quat turn = pose.rotation * glm::inverse(model.placed_turn);
-    const Mat3 linear = glm::mat3_cast(turn);
+/// A model's parts, moved with the entity from where the world has them.
+/// @param seconds  of its animation
+void add_model(const scene::World& world, const Model& model, const Pose& pose, double seconds, host::GameView& out) {
+    const Mat3 linear = glm::mat3_cast(pose.rotation * glm::inverse(model.placed_turn));
+    const auto moved = [&](const WorldPos& placed) {
+        return pose.position + DVec3(linear * Vec3(placed - model.placed_at));
+    };
     for (std::uint32_t i = 0; i < model.instance_count; ++i) {
         const scene::DynamicInstance& part = world.info().dynamic_instances[model.first_instance + i];
-        scene::Instance instance{.position = pose.position + DVec3(linear * Vec3(part.position - model.placed_at)),
-                                 .world_from_mesh = linear * part.world_from_mesh,
-                                 .mesh = part.mesh};
+        scene::Instance instance{
+            .position = moved(part.position), .world_from_mesh = linear * part.world_from_mesh, .mesh = part.mesh};
         instance.bounds = scene::world_box(instance, world.scene().meshes[part.mesh].bounds);
-        out.push_back(instance);
+        out.dynamic.push_back(instance);
+    }
+    const scene::AnimationSet& animation = world.info().animation;
+    for (std::uint32_t i = 0; i < model.animated_count; ++i) {
+        const scene::AnimatedInstance& placed = animation.instances[model.first_animated + i];
+        animation::Animator animator{.model = placed.model};
+        animator.now = {.clip = placed.clip, .time_s = seconds};
+        out.models.push_back({moved(placed.position), linear * placed.world_from_model, animator});
     }
 }
 
@@ -118,21 +127,28 @@ void show_hud(State& state, const Camera& camera, std::vector<host::HudItem>& ou
 
 void show_state(State& state, double fraction, host::GameView& out) {
     out.dynamic.clear();
+    out.models.clear();
     out.hud.clear();
+    const double seconds = (double(state.day().tick) + fraction) * kTick;
     ecs::Registry& registry = state.registry;
     const scene::World& world = *state.level.world;
+    std::uint32_t number = 0;
     registry.each<const ecs::LocalTransform, const Before, const Model>(
         [&](const ecs::LocalTransform& at, const Before& before, const Model& model) {
-            add_instances(world, model, between(before, at, fraction), out.dynamic);
+            // No two wings beat as one.
+            add_model(world, model, between(before, at, fraction), seconds + 0.37 * number++, out);
         });
+    for (const Model& model : state.level.scenery)
+        add_model(world, model, {model.placed_at, model.placed_turn}, seconds + 0.37 * number++, out);
     // What burns where a beacon is lit stands in the world at the place of the beacon's fire.
     for (const ecs::Entity entity : state.level.beacons) {
         const Beacon& beacon = *registry.get<Beacon>(entity);
         const scene::NamedPlace* fire = world.find_place("fire");
         if (!beacon.lit || fire == nullptr) continue;
-        const Model model{fire->first_instance, fire->instance_count, fire->position, turn_of(fire->yaw)};
+        const Model model{fire->first_instance, fire->instance_count, fire->first_animated,
+                          fire->animated_count, fire->position,       turn_of(fire->yaw)};
         const auto& at = *registry.get<ecs::LocalTransform>(entity);
-        add_instances(world, model, {at.position, at.rotation}, out.dynamic);
+        add_model(world, model, {at.position, at.rotation}, seconds, out);
     }
     const ecs::Entity player = state.level.player;
     const Pose feet = between(*registry.get<Before>(player), *registry.get<ecs::LocalTransform>(player), fraction);
@@ -142,6 +158,7 @@ void show_state(State& state, double fraction, host::GameView& out) {
                   .roll = 0.0,
                   .vertical_fov = state.view().fov};
     out.turn_scale = state.view().fov / kFov;
+    out.time_s = seconds;
     out.sun = sun_at(state.day().tick);
     show_hud(state, out.camera, out.hud);
 }

@@ -23,6 +23,7 @@ struct Level {
     std::vector<ecs::Entity> beacons, travellers, birds, gates;  ///< in the order of their names
     ecs::Entity player;
     std::vector<std::string> names;  ///< by entity index
+    std::vector<Model> scenery;      ///< what may move but has no name: it stays where the world has it
 };
 
 // Resources: what systems share.

@@ -28,7 +28,7 @@ TEST(ReferenceTest, is_kept_and_read_back_and_a_damaged_one_is_made_anew) {
     walk.frames.push_back({.position = {20.0, 40.0, 20.0}, .yaw_deg = 40.0, .pitch_deg = -10.0});
     const LabScene lab{.world = world,
                        .walk = walk,
-                       .dynamic = {},
+                       .moving = {},
                        .width = 64,
                        .height = 48,
                        .make_renderer = [&](int width, int height) {

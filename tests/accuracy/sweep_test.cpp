@@ -110,7 +110,7 @@ class MeasureTest : public testing::Test {
     LabScene scene() {
         return {.world = world_,
                 .walk = walk_,
-                .dynamic = {},
+                .moving = {},
                 .width = 96,
                 .height = 64,
                 .make_renderer = [this](int width, int height) {
@@ -152,7 +152,8 @@ TEST_F(MeasureTest, a_whole_sweep_makes_a_report) {
     const auto swept = sweep(bench, 2);
     ASSERT_TRUE(swept) << swept.error().message;
     std::size_t expected = 0;
-    for (const frame::Knob& knob : frame::knobs()) expected += !knob.needs_gl && !knob.needs_sun;
+    for (const frame::Knob& knob : frame::knobs())
+        expected += !knob.needs_gl && !knob.needs_sun && !knob.needs_lamps && !knob.needs_weather;
     ASSERT_EQ(swept->curves.size(), expected);
     for (const KnobCurve& curve : swept->curves) {
         EXPECT_EQ(curve.points.size(), curve.knob->values.size());

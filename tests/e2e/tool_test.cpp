@@ -54,7 +54,8 @@ TEST(Tool, stats_say_which_effects_a_walk_calls_for) {
     const ProcessResult result = run_ff("stats " + hamlet() + " --frames 6 --size 160x120 --sun-shadows on --json");
     ASSERT_EQ(result.exit_code, 0) << result.err;
     std::map<std::string, json> effects;
-    for (const json& row : json::parse(result.out)["effects"]) {
+    const json printed = json::parse(result.out);
+    for (const json& row : printed["effects"]) {
         effects[row["name"]] = row;
         for (const char* key : {"reason", "ms_per_frame", "allocations", "shaders", "systems", "rays_per_frame"})
             EXPECT_TRUE(row.contains(key)) << row["name"] << " has no " << key;

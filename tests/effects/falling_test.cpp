@@ -39,7 +39,7 @@ TEST(Fall, rain_and_snow_show_and_move_with_time_alone) {
     const scene::SceneData data = test::make_empty_world();
     for (const scene::Weather& weather : {scene::Weather{.rain = 1.0f}, scene::Weather{.snow = 1.0f}}) {
         std::vector<ZeroPageVector<std::uint32_t>> images;
-        for (const double time_s : {0.0, 0.1, 0.0, 3600.0}) {
+        for (const double time_s : {0.0, 0.1, 0.0, 3611.3}) {
             Picture picture(data.view());
             EXPECT_GT(draw_fall({.weather = weather, .time_s = time_s}, picture.view, picture.visible, picture.shelter,
                                 picture.image),

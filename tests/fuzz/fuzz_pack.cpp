@@ -4,6 +4,7 @@
 #include <cstring>
 #include <vector>
 
+#include "engine/animation/dynamic_models.h"
 #include "engine/core/check.h"
 #include "engine/core/jobs.h"
 #include "engine/scene/load_world.h"
@@ -11,6 +12,17 @@
 #include "tests/fuzz/touch_world.h"
 
 namespace {
+
+/// Moves all that moves, in a view of the world's middle.
+void pose(ff::scene::World& world) {
+    if (world.info().animation.models.empty()) return;
+    ff::animation::DynamicModels models(world);
+    auto states = ff::animation::initial_models(world.info().animation);
+    for (const double time_s : {0.0, 0.7}) {
+        ff::animation::set_time(world.info().animation, time_s, states);
+        (void)models.pose(states, ff::make_view({.position = world.scene().origin}, 64, 48));
+    }
+}
 
 /// Bombs that decompress to gigabytes are legal packs; they only cost the fuzzer its time.
 constexpr std::uint64_t kMaxRawBytes = 64u << 20;
@@ -25,10 +37,12 @@ void load(const std::vector<std::byte>& bytes) {
     for (const auto& chunk : reader->chunks()) raw += chunk.raw_bytes() * (chunk.name == "mesh_leaves" ? 448 : 1);
     if (raw > kMaxRawBytes) return;
     const auto world = ff::scene::load_world(*reader);
-    if (world)
+    if (world) {
         ff::test::touch_world(**world);
-    else
+        pose(**world);
+    } else {
         FF_CHECK(world.error().kind == ff::ErrorKind::bad_input, "{}", world.error().message);
+    }
 }
 
 }  // namespace

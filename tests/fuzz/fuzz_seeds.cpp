@@ -8,6 +8,7 @@
 
 #include "engine/core/write_file.h"
 #include "engine/scene/save_world.h"
+#include "tests/support/animated_worlds.h"
 #include "tests/support/worlds.h"
 
 namespace {
@@ -67,6 +68,13 @@ int make_seeds(const std::filesystem::path& folder) {
     for (const Seed& seed : seeds) {
         const auto written = scene::write_world(folder / "pack" / seed.name, seed.data,
                                                 seed_info(!seed.data.meshes.empty()), seed.compression);
+        if (!written) return report(written.error());
+    }
+    const test::AnimatedSource animated =
+        test::make_animated_source({.worms = 2, .carts = 1, .worm = {.joints = 3, .rings = 3, .sides = 4}});
+    for (const auto& [name, compression] : {std::pair("animated", assets::Compression::none),
+                                            std::pair("animated_compressed", assets::Compression::zstd)}) {
+        const auto written = scene::write_world(folder / "pack" / name, animated.scene, animated.info, compression);
         if (!written) return report(written.error());
     }
     const scene::Walk walk{.name = "w",

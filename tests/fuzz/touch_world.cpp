@@ -30,6 +30,10 @@ class Toucher {
             for (std::uint64_t i = 0; i < cell.instance_count; ++i)
                 instance(at(s_.instances, std::uint64_t(cell.first_instance) + i));
         for (const DynamicInstance& dynamic : world_.info().dynamic_instances) mesh(dynamic.mesh);
+        for (const AnimatedModel& model : world_.info().animation.models) {
+            for (const RigidPart& part : model.parts) mesh(part.mesh);
+            for (const Skin& skin : model.skins) mesh(skin.mesh);
+        }
         for (const Walk& walk : world_.info().walks)
             for (std::size_t i = 0; i < walk.frames.size(); ++i) add(walk.camera(i).position.x);
         std::uint64_t first = 0;

@@ -4,6 +4,7 @@
 #include <glm/geometric.hpp>
 
 #include "tests/physics/physics_worlds.h"
+#include "tests/support/town.h"
 
 namespace ff::test {
 namespace {
@@ -147,6 +148,29 @@ TEST(Character, does_not_tunnel_at_any_speed) {
     }
 }
 
+TEST(Character, gets_out_of_a_wedge_and_a_ravine) {
+    // Two beams closer than it is wide, and a trench whose sides are both too steep.
+    Ground beams;
+    beams.floor(12, -20).box({-8, -0.3f, 0.3f}, {8, 0, 4}).box({-8, -0.3f, -4}, {8, 0, -0.3f});
+    Ground trench;
+    trench.triangle({-20, 0, 0}, {20, 0, 0}, {20, 8, 3}).triangle({-20, 0, 0}, {20, 8, 3}, {-20, 8, 3});
+    trench.triangle({-20, 0, 0}, {20, 8, -3}, {20, 0, 0}).triangle({-20, 0, 0}, {-20, 8, -3}, {20, 8, -3});
+    for (const Ground* ground : {&beams, &trench}) {
+        Walled w(ground->finish());
+        const CharacterId id = w.walker({0, 3, 0.02});
+        w.walk(id, Vec3(0.0f), 600);
+        const double rests = w.world.character(id).position.y;
+        double highest = rests;
+        ASSERT_TRUE(w.world.set_input(id, {.velocity_m_s = {3, 0, 0}, .jump = true}));
+        for (int i = 0; i < 240; ++i) {
+            w.world.step();
+            highest = std::max(highest, w.world.character(id).position.y);
+        }
+        EXPECT_GT(highest, rests + 0.8);
+        EXPECT_GT(w.world.character(id).position.x, 1.0);
+    }
+}
+
 TEST(Character, falls_from_any_height_onto_a_single_triangle) {
     for (const double height : {1.0, 50.0, 1000.0, 20000.0}) {
         Walled w(Ground().triangle({-5, 0, -5}, {0, 0, 5}, {5, 0, -5}).finish());
@@ -251,6 +275,31 @@ TEST(Character, walks_among_soup_without_getting_stuck_or_lost) {
             ASSERT_TRUE(std::isfinite(glm::length(c.position))) << seed;
             ASSERT_LT(glm::length(c.position - before.position), 1.5) << seed << " " << i;
         }
+    }
+}
+
+TEST(Character, roams_the_town_above_its_ground_and_outside_of_its_walls) {
+    Walled w(make_small_town());
+    for (std::uint32_t seed = 0; seed < 12; ++seed) {
+        Random random(seed);
+        const double x = random.in(-60, 60), z = random.in(-200, 200);
+        const CharacterId id = w.walker({x, small_town_ground(x, z) + 15.0, z});
+        int still = 0;
+        for (int i = 0; i < 1500; ++i) {
+            if (i % 60 == 0) {
+                ASSERT_TRUE(w.world.set_input(
+                    id, {.velocity_m_s = random.in_box({-12, 0, -12}, {12, 0, 12}), .jump = random.unit() < 0.3}));
+            }
+            w.world.step();
+            const CharacterState c = w.world.character(id);
+            ASSERT_GT(c.position.y, small_town_ground(c.position.x, c.position.z) - 0.6) << seed << " " << i;
+            // Nothing reaches into the capsule: a ball a hair thinner than it touches nothing.
+            const auto within = w.world.cast_sphere(c.position + DVec3(0, 0.35, 0), 0.34f, {0, 1, 0}, 1.1);
+            ASSERT_FALSE(within) << seed << " " << i << " at " << within->distance_m;
+            still = !c.on_ground && glm::length(c.velocity_m_s) < 0.1f ? still + 1 : 0;
+            ASSERT_LT(still, 60) << seed << " " << i;
+        }
+        w.world.remove_character(id);
     }
 }
 

@@ -42,8 +42,8 @@ std::size_t time_segment(const Bench& bench, std::size_t first, Trial& trial, sh
     std::size_t i = first;
     do {
         const ScheduledFrame& f = bench.frames[i];
-        const auto& stats =
-            trial.renderer->draw(bench.scene.walk.camera(f.walk_frame), bench.scene.dynamic, trial.settings, image);
+        const auto& stats = trial.renderer->draw(bench.scene.walk.camera(f.walk_frame),
+                                                 bench.scene.dynamic(f.walk_frame), trial.settings, image);
         if (f.counted) trial.frame_ms[counted++].push_back(stats.frame_ms);
     } while (++i < bench.frames.size() && !bench.frames[i].first);
     return i;
@@ -87,7 +87,7 @@ class ErrorLap {
         for (std::size_t i = 0; i < bench_.frames.size(); ++i) {
             std::swap(image_, before_);
             const Camera camera = bench_.scene.walk.camera(bench_.frames[i].walk_frame);
-            trial.renderer->draw(camera, bench_.scene.dynamic, settings, image_);
+            trial.renderer->draw(camera, bench_.scene.dynamic(bench_.frames[i].walk_frame), settings, image_);
             if (!bench_.frames[i].counted) continue;
             const ReferenceFrame& truth = bench_.reference[i];
             add(i, truth, trial, sum, point.worst);

@@ -79,7 +79,7 @@ Result<std::vector<ReferenceFrame>> make_reference(const LabScene& scene, std::s
     for (std::size_t f = 0; f < frames.size(); ++f) {
         ReferenceFrame& truth = result[f];
         const Camera camera = scene.walk.camera(frames[f].walk_frame);
-        once->draw(camera, scene.dynamic, exact_settings(), truth.exact);
+        once->draw(camera, scene.dynamic(frames[f].walk_frame), exact_settings(), truth.exact);
         truth.visible = once->history().visibility;
         const auto file = cache / name_of(scene, frames[f].walk_frame);
         if (std::error_code error; !cache.empty() && std::filesystem::exists(file, error)) {
@@ -91,7 +91,7 @@ Result<std::vector<ReferenceFrame>> make_reference(const LabScene& scene, std::s
             }
             log_warning("{} is damaged: making it anew", file.string());
         }
-        often->draw(camera, scene.dynamic, exact_settings(), samples);
+        often->draw(camera, scene.dynamic(frames[f].walk_frame), exact_settings(), samples);
         average_samples(samples, truth.image);
         if (!cache.empty()) FF_TRY(tool::write_image(file, truth.image));
         progress.advance();

@@ -11,7 +11,9 @@ sys.dont_write_bytecode = True
 
 import facades
 import grounds
+import landmarks
 import leaves
+import moving
 import props
 import trees
 
@@ -47,6 +49,12 @@ MODELS = {
     "street_lamp": props.street_lamp,
     "bench": props.bench,
     "boulder": props.boulder,
+    "beacon": landmarks.beacon,
+    "beacon_fire": landmarks.beacon_fire,
+    "gate": landmarks.gate,
+    "bird": moving.bird,
+    "cart": moving.cart,
+    "flag": moving.flag,
 }
 
 

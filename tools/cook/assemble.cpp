@@ -8,6 +8,7 @@
 #include "engine/core/jobs.h"
 #include "engine/core/log.h"
 #include "engine/math/types.h"
+#include "tools/cook/assemble_animation.h"
 #include "tools/cook/assemble_division.h"
 #include "tools/cook/assemble_gather.h"
 #include "tools/cook/assemble_heights.h"
@@ -22,6 +23,10 @@ namespace {
 std::vector<bool> used_materials(const WorldSource& source) {
     std::vector<bool> mesh_used(source.meshes.size(), false), used(source.materials.size(), false);
     for (const Placement& placement : source.placements) mesh_used[placement.mesh] = true;
+    for (const scene::AnimatedModel& model : source.animation.models) {
+        for (const scene::RigidPart& part : model.parts) mesh_used[part.mesh] = true;
+        for (const scene::Skin& skin : model.skins) mesh_used[skin.mesh] = true;
+    }
     for (std::size_t i = 0; i < source.meshes.size(); ++i)
         if (mesh_used[i])
             for (const std::uint16_t material : source.meshes[i].geometry.triangle_materials) used[material] = true;
@@ -83,7 +88,9 @@ void add_places(const WorldSource& source, std::span<const std::size_t> moving_p
                                .position = place.position,
                                .yaw = radians_of(place.yaw_deg),
                                .first_instance = end > first ? first : 0,
-                               .instance_count = end - first});
+                               .instance_count = end - first,
+                               .first_animated = place.first_animated,
+                               .animated_count = place.animated_count});
     }
 }
 
@@ -108,6 +115,7 @@ Result<Assembly> assemble(WorldSource source, const AssembleSettings& settings, 
     FF_ASSIGN(const SortedPlacements sorted, sort_placements(source, whole));
     const std::vector<std::uint16_t> material_ids = add_materials(source, used_materials(source), out);
     source.textures = {};
+    AnimationAssembly animation(source);
     context.end_stage("mip-map textures");
 
     const bool is_cached = context.cache().enabled();
@@ -120,6 +128,7 @@ Result<Assembly> assemble(WorldSource source, const AssembleSettings& settings, 
     std::vector<std::uint32_t> whole_meshes;
     for (const auto* list : {&sorted.instanced, &sorted.dynamic})
         for (const std::uint32_t placement : *list) whole_meshes.push_back(source.placements[placement].mesh);
+    whole_meshes.insert(whole_meshes.end(), animation.meshes().begin(), animation.meshes().end());
     std::sort(whole_meshes.begin(), whole_meshes.end());
     whole_meshes.erase(std::unique(whole_meshes.begin(), whole_meshes.end()), whole_meshes.end());
     std::vector<scene::PreparedMesh> prepared(cells.size() + whole_meshes.size());
@@ -159,7 +168,7 @@ Result<Assembly> assemble(WorldSource source, const AssembleSettings& settings, 
     context.end_stage("prepare meshes");
 
     // Slots that came out empty (all degenerate, or a cell of instances alone) get no mesh.
-    constexpr std::uint32_t kNone = ~0u;
+    constexpr std::uint32_t kNone = AnimationAssembly::kNone;
     std::vector<std::uint32_t> mesh_ids(prepared.size(), kNone);
     std::uint32_t mesh_count = 0;
     for (std::size_t i = 0; i < prepared.size(); ++i)
@@ -191,6 +200,7 @@ Result<Assembly> assemble(WorldSource source, const AssembleSettings& settings, 
         moving_placements.push_back(index);
     }
     add_places(source, moving_placements, assembly.info);
+    assembly.info.animation = animation.finish(whole_mesh_id, out);
     context.end_stage("join");
     out.finish(0);
     add_height_grid(settings.height_grid_size, geometry, keys, context.cache(), out);

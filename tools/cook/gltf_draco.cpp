@@ -81,7 +81,17 @@ Status decode(const GltfData& data, const nlohmann::json& primitive, const std::
     const std::size_t points = mesh.num_points();
 
     for (const auto& [name, id] : extension.at("attributes").items()) {
-        const bool wanted = name == "POSITION" || name == "NORMAL" || name == "COLOR_0" || name == uv_name;
+        // What the caller made room for: a skin's sets of joints and weights.
+        const auto set_of = [&](std::string_view prefix, auto& sets) -> std::vector<float>* {
+            for (std::size_t set = 0; set < sets.size(); ++set)
+                if (name == fmt::format("{}{}", prefix, set)) return &sets[set];
+            return nullptr;
+        };
+        std::vector<float>* const joints = set_of("JOINTS_", streams.joints);
+        std::vector<float>* const weights = set_of("WEIGHTS_", streams.weights);
+        std::vector<float>* const influence = joints ? joints : weights;
+        const bool wanted =
+            name == "POSITION" || name == "NORMAL" || name == "COLOR_0" || name == uv_name || influence != nullptr;
         if (!wanted) continue;
         const std::string attribute_place = fmt::format("{}.attributes.{}", place, name);
         const int attribute_id = mesh.GetAttributeIdByUniqueId(id.get<std::uint32_t>());
@@ -89,7 +99,7 @@ Status decode(const GltfData& data, const nlohmann::json& primitive, const std::
             return file.error(attribute_place,
                               fmt::format("id {}; expected one of the Draco mesh", id.get<unsigned>()));
         bool normalized = false;
-        std::size_t components = name == "COLOR_0" ? 4 : name == uv_name ? 2 : 3;
+        std::size_t components = name == "COLOR_0" || influence ? 4 : name == uv_name ? 2 : 3;
         if (const auto accessor = primitive.at("attributes").find(name); accessor != primitive.at("attributes").end()) {
             const tinygltf::Accessor& declared = accessor_of(accessor->get<std::size_t>());
             normalized = declared.normalized;
@@ -105,7 +115,9 @@ Status decode(const GltfData& data, const nlohmann::json& primitive, const std::
             if (!std::isfinite(values[i]))
                 return file.error(fmt::format("{}: element {}", attribute_place, i / components),
                                   fmt::format("{}; expected a finite number", values[i]));
-        if (name == "POSITION") {
+        if (influence) {
+            *influence = std::move(values);
+        } else if (name == "POSITION") {
             streams.positions = std::move(values);
         } else if (name == "NORMAL") {
             streams.normals = std::move(values);

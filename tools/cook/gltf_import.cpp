@@ -8,6 +8,8 @@
 
 #include "engine/core/jobs.h"
 #include "engine/core/log.h"
+#include "tools/cook/gltf_animated.h"
+#include "tools/cook/gltf_append.h"
 #include "tools/cook/gltf_material.h"
 #include "tools/cook/gltf_mesh.h"
 #include "tools/cook/gltf_nodes.h"
@@ -15,43 +17,6 @@
 
 namespace ff::cook {
 namespace {
-
-struct MaterialUse {
-    bool used = false;
-    bool translucent_vertices = false;  // some vertex colour has alpha below 1
-};
-
-std::vector<MaterialUse> material_use(const std::vector<scene::MeshSource>& meshes, std::size_t material_count) {
-    std::vector<MaterialUse> use(material_count);
-    for (const scene::MeshSource& mesh : meshes)
-        for (std::size_t t = 0; t < mesh.triangle_materials.size(); ++t) {
-            MaterialUse& material = use[mesh.triangle_materials[t]];
-            material.used = true;
-            for (std::size_t corner = 0; corner < 3; ++corner)
-                if (mesh.attributes[mesh.indices[3 * t + corner]].color >> 24 != 255)
-                    material.translucent_vertices = true;
-        }
-    return use;
-}
-
-// Rays and rasteriser pay for alpha; a material whose alpha never matters is opaque.
-void drop_needless_alpha(ImportedMaterials& imported, const std::vector<MaterialUse>& use) {
-    std::vector<std::uint32_t> least_alpha;
-    for (const SourceTexture& texture : imported.textures) {
-        std::uint32_t least = 255;
-        for (const std::uint32_t texel : texture.rgba) least = std::min(least, texel >> 24);
-        least_alpha.push_back(least);
-    }
-    for (std::size_t i = 0; i < imported.materials.size(); ++i) {
-        scene::Material& material = imported.materials[i];
-        if (use[i].translucent_vertices) continue;
-        const bool textured = material.base_color_texture != scene::kNoTexture;
-        const float alpha =
-            material.base_color.w * (textured ? static_cast<float>(least_alpha[material.base_color_texture]) : 255.0f);
-        if (alpha >= 255.0f * material.alpha_cutoff) material.flags &= ~scene::kMaterialAlphaMask;
-        if (alpha >= 255.0f) material.flags &= ~scene::kMaterialBlend;
-    }
-}
 
 DBox3 bounds_of(const scene::MeshSource& mesh, const ModelPart& part) {
     DBox3 box;
@@ -74,34 +39,10 @@ scene::MeshSource flattened(const scene::MeshSource& mesh, const DMat3& m) {
     return flat;
 }
 
-std::uint32_t moved_texture(std::uint32_t texture, std::uint32_t first) {
-    return texture == scene::kNoTexture ? texture : texture + first;
-}
-
 // Everything has been read; from here on nothing fails except for room.
 Result<Model> append(const GltfFile& file, ImportedMaterials imported, std::vector<scene::MeshSource> meshes,
                      std::vector<std::size_t> gltf_meshes, const std::vector<NodeInstance>& nodes, WorldSource& into) {
-    const std::vector<MaterialUse> use = material_use(meshes, imported.materials.size());
-    drop_needless_alpha(imported, use);
-
-    // Unused materials stay out: models share one world's 16-bit ids.
-    const auto first_texture = static_cast<std::uint32_t>(into.textures.size());
-    std::vector<std::uint16_t> material_ids(imported.materials.size(), 0);
-    const auto used = static_cast<std::size_t>(std::count_if(use.begin(), use.end(), [](auto& m) { return m.used; }));
-    if (into.materials.size() + used > 0xFFFF)
-        return file.error("materials", fmt::format("{} more in a world of {}; expected at most 65535 together", used,
-                                                   into.materials.size()));
-    for (std::size_t i = 0; i < imported.materials.size(); ++i) {
-        if (!use[i].used) continue;
-        scene::Material material = imported.materials[i];
-        material.base_color_texture = moved_texture(material.base_color_texture, first_texture);
-        material.emissive_texture = moved_texture(material.emissive_texture, first_texture);
-        material.metallic_roughness_texture = moved_texture(material.metallic_roughness_texture, first_texture);
-        material_ids[i] = static_cast<std::uint16_t>(into.materials.size());
-        into.materials.push_back(material);
-    }
-    std::move(imported.textures.begin(), imported.textures.end(), std::back_inserter(into.textures));
-
+    FF_ASSIGN(const std::vector<std::uint16_t> material_ids, append_materials(file, std::move(imported), meshes, into));
     Model model;
     model.name = std::filesystem::path(file.name).stem().string();
     const auto first_mesh = static_cast<std::uint32_t>(into.meshes.size());
@@ -126,23 +67,28 @@ Result<Model> append(const GltfFile& file, ImportedMaterials imported, std::vect
     for (const ModelPart& part : model.parts) ++uses[part.mesh - first_mesh];
     for (ModelPart& part : model.parts) part.use_count = uses[part.mesh - first_mesh];
 
-    for (std::size_t i = 0; i < meshes.size(); ++i) {
-        for (std::uint16_t& material : meshes[i].triangle_materials) material = material_ids[material];
-        into.meshes.push_back(
-            {.name = fmt::format("{}: meshes[{}]", file.name, gltf_meshes[i]), .geometry = std::move(meshes[i])});
-    }
+    for (std::size_t i = 0; i < meshes.size(); ++i)
+        append_mesh(fmt::format("{}: meshes[{}]", file.name, gltf_meshes[i]), std::move(meshes[i]), material_ids, into);
     into.bytes_in += file.bytes_read;
     return model;
 }
 
-Result<Model> import_checked(const std::filesystem::path& path, WorldSource& into, CookContext& context) {
+Result<Model> import_checked(const std::filesystem::path& path, WorldSource& into, CookContext& context,
+                             ModelKind kind) {
     FF_ASSIGN(GltfFile file, open_gltf(path, context));
     FF_TRY(validate_gltf(file, context));
     FF_TRY(load_buffers(file));
     FF_ASSIGN(const tinygltf::Model typed, parse_gltf(file));
     FF_ASSIGN(const GltfData data, open_views(file, typed));
-    if (file.json.contains("skins") && !file.json.at("skins").empty())
-        context.warn(fmt::format("{}: has skins; meshes are drawn in their bind pose", file.name));
+    const auto has = [&](const char* key) { return file.json.contains(key) && !file.json.at(key).empty(); };
+    if (kind == ModelKind::animated && (has("skins") || has("animations"))) {
+        FF_ASSIGN(Model model, import_animated(file, data, into, context));
+        return model;
+    }
+    if (has("skins"))
+        context.warn(fmt::format("{}: has skins, and is not dynamic; meshes are drawn in their bind pose", file.name));
+    if (has("animations"))
+        context.warn(fmt::format("{}: has animations, and is not dynamic; it is drawn at rest", file.name));
 
     FF_ASSIGN(const std::vector<NodeInstance> nodes, flatten_nodes(data));
     std::vector<std::size_t> gltf_meshes;  // those that the scene shows, ascending
@@ -167,9 +113,9 @@ Result<Model> import_checked(const std::filesystem::path& path, WorldSource& int
 
 }  // namespace
 
-Result<Model> import_gltf(const std::filesystem::path& path, WorldSource& into, CookContext& context) {
+Result<Model> import_gltf(const std::filesystem::path& path, WorldSource& into, CookContext& context, ModelKind kind) {
     try {  // libraries that throw where memory or a value fails end here
-        return import_checked(path, into, context);
+        return import_checked(path, into, context, kind);
     } catch (const std::exception& e) {
         return bad_input(fmt::format("{}: document: {}; expected glTF 2.0", path.string(), e.what()));
     }

@@ -39,7 +39,7 @@ std::vector<std::uint32_t> triangle_list(const std::vector<std::uint32_t>& indic
 
 // What of a primitive lies in plain accessors; whatever Draco holds is read there.
 Result<PrimitiveStreams> read_streams(const GltfData& data, const tinygltf::Primitive& primitive, const json& source,
-                                      const std::string& uv_name, const std::string& place) {
+                                      const std::string& uv_name, bool with_joints, const std::string& place) {
     PrimitiveStreams streams;
     const json::json_pointer draco_at("/extensions/KHR_draco_mesh_compression/attributes");
     const json none = json::object();
@@ -60,6 +60,20 @@ Result<PrimitiveStreams> read_streams(const GltfData& data, const tinygltf::Prim
                                    fmt::format("{} components; expected 3 or 4", streams.color_components));
         FF_TRY(read("COLOR_0", streams.color_components, streams.colors));
     }
+    if (with_joints) {
+        std::size_t sets = 0;
+        while (primitive.attributes.contains(fmt::format("JOINTS_{}", sets))) ++sets;
+        streams.joints.resize(sets);
+        streams.weights.resize(sets);
+        for (std::size_t set = 0; set < sets; ++set) {
+            const std::string joints = fmt::format("JOINTS_{}", set), weights = fmt::format("WEIGHTS_{}", set);
+            if (!primitive.attributes.contains(weights))
+                return data.file.error(fmt::format("{}.attributes", place),
+                                       fmt::format("{} without {}; expected both", joints, weights));
+            FF_TRY(read(joints, 4, streams.joints[set]));
+            FF_TRY(read(weights, 4, streams.weights[set]));
+        }
+    }
     if (source.contains(draco_at)) {
         FF_TRY(decode_draco(data, source, uv_name, place, streams));
     } else if (primitive.indices >= 0) {
@@ -79,6 +93,10 @@ Status check_lengths(const GltfData& data, const PrimitiveStreams& streams, cons
     FF_TRY(check("NORMAL", streams.normals.size(), 3));
     FF_TRY(check("TEXCOORD", streams.uvs.size(), 2));
     FF_TRY(check("COLOR_0", streams.colors.size(), streams.color_components));
+    for (std::size_t set = 0; set < streams.joints.size(); ++set) {
+        FF_TRY(check("JOINTS", streams.joints[set].size(), 4));
+        FF_TRY(check("WEIGHTS", streams.weights[set].size(), 4));
+    }
     for (std::size_t i = 0; i < streams.indices.size(); ++i)
         if (streams.indices[i] >= vertices)
             return data.file.error(fmt::format("{}.indices: element {}", place, i),
@@ -102,11 +120,48 @@ scene::VertexAttributes attributes_at(const PrimitiveStreams& streams, std::size
     return out;
 }
 
+// The joints that a vertex follows, heaviest first.
+Status append_influences(const GltfData& data, const PrimitiveStreams& streams, std::size_t vertex,
+                         const std::string& place, SkinStreams& skin) {
+    struct Influence {
+        std::uint16_t joint;
+        float weight;
+    };
+    std::vector<Influence> all;
+    for (std::size_t set = 0; set < streams.joints.size(); ++set)
+        for (std::size_t i = 4 * vertex; i < 4 * vertex + 4; ++i) {
+            if (i >= streams.joints[set].size() || i >= streams.weights[set].size()) continue;  // all in Draco's
+            const float joint = streams.joints[set][i], weight = streams.weights[set][i];
+            if (!(weight >= 0.0f))
+                return data.file.error(fmt::format("{}.attributes.WEIGHTS_{}: element {}", place, set, vertex),
+                                       fmt::format("{}; expected [0, 1]", weight));
+            if (!(weight > 0.0f)) continue;
+            if (!(joint >= 0.0f && joint < static_cast<float>(skin.joint_count)))
+                return data.file.error(fmt::format("{}.attributes.JOINTS_{}: element {}", place, set, vertex),
+                                       fmt::format("{}; expected below the skin's {} joints", joint, skin.joint_count));
+            all.push_back({static_cast<std::uint16_t>(joint), weight});
+        }
+    std::stable_sort(all.begin(), all.end(),
+                     [](const Influence& a, const Influence& b) { return a.weight > b.weight; });
+    if (all.empty()) all.push_back({0, 1.0f});
+    all.resize(scene::kMostInfluences, {all[0].joint, 0.0f});
+    float sum = 0.0f;
+    for (const Influence& influence : all) sum += influence.weight;
+    for (const Influence& influence : all) {
+        skin.joints.push_back(influence.joint);
+        skin.weights.push_back(influence.weight / sum);
+    }
+    return {};
+}
+
 // Appends a primitive. Without normals every triangle gets its own, and so its own vertices.
-void append_primitive(const PrimitiveStreams& streams, const std::vector<std::uint32_t>& triangles,
-                      std::uint16_t material, const UvTransform& uv, scene::MeshSource& mesh) {
+// @return for each vertex that was appended the one of the streams
+std::vector<std::size_t> append_primitive(const PrimitiveStreams& streams, const std::vector<std::uint32_t>& triangles,
+                                          std::uint16_t material, const UvTransform& uv, scene::MeshSource& mesh) {
     const auto first = static_cast<std::uint32_t>(mesh.positions.size());
+    std::vector<std::size_t> sources;
     const auto add_vertex = [&](std::size_t i, const Vec3& normal) {
+        sources.push_back(i);
         mesh.positions.push_back(vec3_at(streams.positions, i));
         mesh.attributes.push_back(attributes_at(streams, i, normal, uv));
     };
@@ -128,12 +183,13 @@ void append_primitive(const PrimitiveStreams& streams, const std::vector<std::ui
         }
     }
     mesh.triangle_materials.insert(mesh.triangle_materials.end(), triangles.size() / 3, material);
+    return sources;
 }
 
 }  // namespace
 
 Result<scene::MeshSource> read_mesh(const GltfData& data, std::size_t mesh_index, const ImportedMaterials& materials,
-                                    CookContext& context) {
+                                    CookContext& context, SkinStreams* skin) {
     scene::MeshSource mesh;
     const auto& primitives = data.model.meshes[mesh_index].primitives;
     for (std::size_t p = 0; p < primitives.size(); ++p) {
@@ -144,7 +200,8 @@ Result<scene::MeshSource> read_mesh(const GltfData& data, std::size_t mesh_index
             continue;
         }
         if (!primitive.targets.empty())
-            context.warn(fmt::format("{}: has morph targets; meshes are drawn unmorphed", data.file.name));
+            context.warn(fmt::format("{}: mesh \"{}\" has morph targets; it is drawn unmorphed", data.file.name,
+                                     data.model.meshes[mesh_index].name));
         if (!primitive.attributes.contains("POSITION")) {
             context.warn(fmt::format("{}: {}: no POSITION; left out", data.file.name, place));
             continue;
@@ -154,7 +211,7 @@ Result<scene::MeshSource> read_mesh(const GltfData& data, std::size_t mesh_index
         const UvTransform& uv = materials.uv_transforms[material];
         const std::string uv_name = materials.has_texture[material] ? fmt::format("TEXCOORD_{}", uv.set) : "";
         const json& source = data.file.json.at("meshes")[mesh_index].at("primitives")[p];
-        FF_ASSIGN(PrimitiveStreams streams, read_streams(data, primitive, source, uv_name, place));
+        FF_ASSIGN(PrimitiveStreams streams, read_streams(data, primitive, source, uv_name, skin != nullptr, place));
         FF_TRY(check_lengths(data, streams, place));
         if (!streams.has_indices) {
             streams.indices.resize(streams.positions.size() / 3);
@@ -164,7 +221,10 @@ Result<scene::MeshSource> read_mesh(const GltfData& data, std::size_t mesh_index
         const auto triangles = triangle_list(streams.indices, is_list ? TINYGLTF_MODE_TRIANGLES : primitive.mode);
         if (mesh.positions.size() + std::max(triangles.size(), streams.positions.size() / 3) > 0xFFFFFFF0ull)
             return data.file.error(place, "more vertices than 32 bits can count; expected fewer");
-        append_primitive(streams, triangles, static_cast<std::uint16_t>(material), uv, mesh);
+        const std::vector<std::size_t> sources =
+            append_primitive(streams, triangles, static_cast<std::uint16_t>(material), uv, mesh);
+        if (skin == nullptr) continue;
+        for (const std::size_t vertex : sources) FF_TRY(append_influences(data, streams, vertex, place, *skin));
     }
     return mesh;
 }

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <glm/gtc/quaternion.hpp>
 
+#include "engine/scene/check_animation.h"
+
 namespace ff::cook {
 namespace {
 
@@ -142,6 +144,90 @@ Result<std::vector<NodeInstance>> flatten_nodes(const GltfData& data) {
             stack.push_back({*child, transform});
     }
     return flat;
+}
+
+namespace {
+
+scene::Mat4x3 single(const Affine& a) {
+    return {Vec3(a.linear[0]), Vec3(a.linear[1]), Vec3(a.linear[2]), Vec3(a.translation)};
+}
+
+/// A node's transform as a joint has it: scale, rotation, translation.
+/// @return whether that is all of it
+bool append_joint(const tinygltf::Node& node, std::uint32_t parent, scene::Skeleton& skeleton) {
+    const Affine local = local_transform(node);
+    DMat3 axes = local.linear;
+    DVec3 scale(glm::length(axes[0]), glm::length(axes[1]), glm::length(axes[2]));
+    if (node.matrix.size() != 16 && node.scale.size() == 3)
+        scale = {node.scale[0], node.scale[1], node.scale[2]};
+    else if (glm::determinant(axes) < 0.0)
+        scale.x = -scale.x;
+    glm::dquat rotation(1.0, 0.0, 0.0, 0.0);
+    if (node.matrix.size() != 16) {
+        if (const auto& q = node.rotation; q.size() == 4) rotation = glm::dquat(q[3], q[0], q[1], q[2]);
+    } else if (scale.x != 0.0 && scale.y != 0.0 && scale.z != 0.0) {
+        rotation = glm::quat_cast(DMat3(axes[0] / scale.x, axes[1] / scale.y, axes[2] / scale.z));
+    }
+    const double length = glm::length(rotation);
+    rotation = length > 0.0 ? rotation / length : glm::dquat(1.0, 0.0, 0.0, 0.0);
+    skeleton.names.push_back(node.name.substr(0, 1024));
+    skeleton.parents.push_back(parent);
+    skeleton.translations.emplace_back(local.translation);
+    skeleton.rotations.emplace_back(static_cast<float>(rotation.w), static_cast<float>(rotation.x),
+                                    static_cast<float>(rotation.y), static_cast<float>(rotation.z));
+    skeleton.scales.emplace_back(scale);
+    const DMat3 kept = rotation_scale(rotation, scale);
+    double error = 0.0, size = 0.0;
+    for (int c = 0; c < 3; ++c) {
+        error = std::max(error, glm::length(kept[c] - local.linear[c]));
+        size = std::max(size, glm::length(local.linear[c]));
+    }
+    return error <= 1e-3 * size;
+}
+
+}  // namespace
+
+Result<NodeSkeleton> read_skeleton(const GltfData& data, CookContext& context) {
+    struct Pending {
+        int node;
+        std::uint32_t parent;
+    };
+    NodeSkeleton out;
+    out.joint_of_node.assign(data.model.nodes.size(), scene::kNoJoint);
+    std::vector<Pending> stack;
+    const std::vector<int> roots = root_nodes(data.model);
+    for (auto root = roots.rbegin(); root != roots.rend(); ++root) stack.push_back({*root, scene::kNoJoint});
+    while (!stack.empty()) {
+        const Pending pending = stack.back();
+        stack.pop_back();
+        const auto index = static_cast<std::size_t>(pending.node);
+        const tinygltf::Node& node = data.model.nodes[index];
+        const std::uint32_t joint = out.skeleton.size();
+        if (joint >= scene::kMostJoints)
+            return data.file.error(
+                "nodes", fmt::format("more than {}; expected fewer of a model that is animated", scene::kMostJoints));
+        out.joint_of_node[index] = joint;
+        if (!append_joint(node, pending.parent, out.skeleton))
+            context.warn(
+                fmt::format("{}: a node's matrix shears; the animated model is drawn without that", data.file.name));
+        if (node.mesh >= 0) {
+            const json& source = data.file.json.at("nodes")[index];
+            NodeMesh mesh{.mesh = static_cast<std::size_t>(node.mesh), .joint = joint};
+            if (source.contains("skin")) {
+                mesh.skin = source.at("skin").get<std::size_t>();
+                out.meshes.push_back(mesh);
+            } else {
+                FF_ASSIGN(const std::vector<Affine> instances, instances_of(data, index));
+                for (const Affine& instance : instances) {
+                    mesh.joint_from_mesh = single(instance);
+                    out.meshes.push_back(mesh);
+                }
+            }
+        }
+        for (auto child = node.children.rbegin(); child != node.children.rend(); ++child)
+            stack.push_back({*child, joint});
+    }
+    return out;
 }
 
 }  // namespace ff::cook

@@ -8,6 +8,8 @@
 #include <optional>
 #include <string_view>
 
+#include "tools/cook/gltf_validate_animation.h"
+
 namespace ff::cook {
 namespace {
 
@@ -482,7 +484,8 @@ class Validator {
 }  // namespace
 
 Status validate_gltf(const GltfFile& file, CookContext& context) {
-    return Validator(file, context).run();
+    FF_TRY(Validator(file, context).run());
+    return validate_animation(file);
 }
 
 std::size_t component_size(int component_type) {

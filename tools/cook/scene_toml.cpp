@@ -81,10 +81,10 @@ class SceneBuilder {
         return std::uint32_t(world_.materials.size() - 1);
     }
 
-    Result<const Model*> model(const std::filesystem::path& path) {
-        const auto [place, is_new] = models_.try_emplace(path.string());
+    Result<const Model*> model(const std::filesystem::path& path, ModelKind kind = ModelKind::still) {
+        const auto [place, is_new] = models_.try_emplace({path.string(), kind});
         if (is_new) {
-            FF_ASSIGN(place->second, import_gltf(path, world_, context_));
+            FF_ASSIGN(place->second, import_gltf(path, world_, context_, kind));
         }
         return &place->second;
     }
@@ -264,7 +264,8 @@ class SceneBuilder {
     Status add_models(bool (*is_wanted)(const ModelDescription&)) {
         for (const ModelDescription& described : scene_.models) {
             if (!is_wanted(described)) continue;
-            FF_ASSIGN(const Model* loaded, model(described.file));
+            FF_ASSIGN(const Model* loaded,
+                      model(described.file, described.dynamic ? ModelKind::animated : ModelKind::still));
             const std::vector<double>& p = described.position_m;
             DVec3 position(p.front(), 0, p.back());
             const std::optional<double> below = ground_now()(position.x, position.z);
@@ -273,7 +274,11 @@ class SceneBuilder {
                                             [&](const ModelDescription& m) { return m.file == described.file; });
             const DMat3 turn = world_from_yaw(described.yaw_deg, described.scale);
             const std::size_t first_placement = world_.placements.size();
-            if (described.dynamic) {
+            const auto first_animated = std::uint32_t(world_.animation.instances.size());
+            if (loaded->animated) {
+                FF_TRY(place_animated(described, *loaded->animated, position, Mat3(turn)));
+            } else if (described.dynamic) {
+                if (!described.animation.empty()) return unknown_animation(described, {});
                 place_model(*loaded, position, turn, PlacementKind::dynamic, world_);
             } else {
                 for (const ModelPart& part : loaded->parts)
@@ -284,13 +289,18 @@ class SceneBuilder {
                          .kind = part.use_count > 1 || uses > 1 ? PlacementKind::instance : PlacementKind::merge});
             }
             if (!described.name.empty())
-                world_.places.push_back({.name = described.name,
-                                         .position = position,
-                                         .yaw_deg = described.yaw_deg,
-                                         .first_placement = first_placement,
-                                         .placement_count = world_.placements.size() - first_placement});
-            // A model that is the ground blocks nothing.
-            if (below && !loaded->bounds.is_empty()) {
+                world_.places.push_back(
+                    {.name = described.name,
+                     .position = position,
+                     .yaw_deg = described.yaw_deg,
+                     .first_placement = first_placement,
+                     .placement_count = world_.placements.size() - first_placement,
+                     .first_animated = first_animated,
+                     .animated_count = std::uint32_t(world_.animation.instances.size()) - first_animated});
+            // A model that is the ground blocks nothing, nor does one that hangs in the air.
+            constexpr double kClearM = 3.0;
+            if (below && !loaded->bounds.is_empty() &&
+                position.y + described.scale * loaded->bounds.low.y <= *below + kClearM) {
                 Footprint outline;
                 const DVec3 &low = loaded->bounds.low, &high = loaded->bounds.high;
                 for (const DVec3& corner : {DVec3(low.x, 0, high.z), DVec3(high.x, 0, high.z), DVec3(high.x, 0, low.z),
@@ -301,6 +311,29 @@ class SceneBuilder {
                 obstacles_.add(outline);
             }
         }
+        return {};
+    }
+
+    static Error unknown_animation(const ModelDescription& described, const std::vector<scene::Clip>& clips) {
+        std::string names;
+        for (const scene::Clip& clip : clips) names += (names.empty() ? "" : ", ") + clip.name;
+        return bad_input(fmt::format("{}: no animation \"{}\"; expected {}", described.file.string(),
+                                     described.animation, names.empty() ? "none, for it has none" : "one of " + names));
+    }
+
+    Status place_animated(const ModelDescription& described, std::uint32_t model, const DVec3& position,
+                          const Mat3& world_from_model) {
+        const scene::AnimatedModel& animated = world_.animation.models[model];
+        scene::AnimatedInstance instance{.model = model,
+                                         .position = position,
+                                         .world_from_model = world_from_model,
+                                         .clip = animated.clips.empty() ? scene::kNoClip : 0,
+                                         .phase = described.animation_phase};
+        if (!described.animation.empty()) {
+            instance.clip = scene::find_clip(animated, described.animation);
+            if (instance.clip == scene::kNoClip) return unknown_animation(described, animated.clips);
+        }
+        world_.animation.instances.push_back(instance);
         return {};
     }
 
@@ -452,7 +485,7 @@ class SceneBuilder {
     std::optional<GroundFrame> frame_;
     WorldSource world_;
     std::map<std::string, std::uint32_t> textures_;
-    std::map<std::string, Model> models_;
+    std::map<std::pair<std::string, ModelKind>, Model> models_;
     std::unique_ptr<Terrain> terrain_;
     std::unique_ptr<TownGround> town_ground_;
     city::CitySite site_;

@@ -150,6 +150,10 @@ void read_model(const toml::table& source, TomlReport& report, SceneDescription&
     model.scale = table.number("scale", 1, 1e-6, 1e6);
     model.dynamic = table.boolean("dynamic", false);
     model.name = table.text("name", "");
+    model.animation = table.text("animation", "");
+    model.animation_phase = table.number("animation_phase", 0, 0, 0.999999);
+    for (const char* key : {"animation", "animation_phase"})
+        if (table.has(key) && !model.dynamic) table.fail(key, "expected with dynamic = true only");
     table.finish();
     scene.models.push_back(std::move(model));
 }

@@ -51,7 +51,9 @@ struct ModelDescription {
     std::vector<double> position_m{0.0, 0.0};  ///< [x, z] or [x, y, z]
     double yaw_deg = 0, scale = 1;
     bool dynamic = false;
-    std::string name;  ///< empty: none
+    std::string name;            ///< empty: none
+    std::string animation;       ///< clip that it plays; empty: the first
+    double animation_phase = 0;  ///< [0, 1)
 };
 
 struct PlaceDescription {

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "engine/scene/animation.h"
 #include "engine/scene/environment.h"
 #include "engine/scene/scene_data.h"
 
@@ -57,6 +58,7 @@ struct SourcePlace {
     DVec3 position{0.0};
     double yaw_deg = 0.0;
     std::size_t first_placement = 0, placement_count = 0;
+    std::uint32_t first_animated = 0, animated_count = 0;  ///< of WorldSource::animation.instances
 };
 
 struct WorldSource {
@@ -65,6 +67,7 @@ struct WorldSource {
     std::vector<scene::Material> materials;  ///< texture ids index `textures`
     std::vector<SourceMesh> meshes;
     std::vector<Placement> placements;
+    scene::AnimationSet animation;  ///< parts and skins name `meshes`; skins have weights for their mesh's vertices
     scene::Environment environment;
     std::vector<scene::Lamp> lamps;
     std::vector<std::uint16_t> sky_panorama;  ///< see Environment::panorama

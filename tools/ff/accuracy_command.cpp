@@ -42,13 +42,14 @@ Status run_accuracy(const AccuracyOptions& options) {
     const accuracy::Effort effort = options.quick ? accuracy::kQuick : accuracy::kThorough;
     const accuracy::LabScene scene{.world = session.world(),
                                    .walk = session.walk(),
-                                   .dynamic = session.dynamic(),
+                                   .moving = [&](std::size_t f) { return session.dynamic(f, options.view.size); },
                                    .width = options.view.size.width,
                                    .height = options.view.size.height,
                                    .has_gl = has_gl,
-                                   .make_renderer = [&](int width, int height) {
-                                       return session.make_renderer({width, height});
-                                   }};
+                                   .make_renderer =
+                                       [&](int width, int height) {
+                                           return session.make_renderer({width, height});
+                                       }};
     const auto frames = accuracy::schedule(scene.walk.frames.size(), effort);
     FF_ASSIGN(const auto reference, accuracy::make_reference(scene, frames, cache_directory() / "accuracy"));
     accuracy::Bench bench{.scene = scene, .frames = frames, .reference = reference, .laps = effort.laps};

@@ -38,15 +38,16 @@ void measure_errors(Session& session, std::vector<ModeRun>& runs, const ImageSiz
         const Camera camera = session.walk().camera(f);
         frame::FrameSettings settings = runs.front().settings;
         settings.mode = frame::Mode::raycast;
-        reference->draw(camera, session.dynamic(), settings, reference_image);
+        const std::span<const scene::Instance> dynamic = session.dynamic(f, size);
+        reference->draw(camera, dynamic, settings, reference_image);
         if (is_prelit) {
             settings.prelit_beyond_m = std::numeric_limits<float>::infinity();
-            full_reference->draw(camera, session.dynamic(), settings, full_image);
+            full_reference->draw(camera, dynamic, settings, full_image);
         }
         for (ModeRun& run : runs) {
             frame::FrameSettings with_ids = run.settings;
             with_ids.keep_ids = true;
-            run.renderer->draw(camera, session.dynamic(), with_ids, image);
+            run.renderer->draw(camera, dynamic, with_ids, image);
             run.error.add(int(f), image, reference_image);
             const bool draws_all = run.settings.budget_ms <= 0.0 && run.settings.resolution >= 1.0f;
             const bool has_ids = frame::knows_primitives(run.settings.mode) || run.settings.mode == frame::Mode::hybrid;
@@ -58,7 +59,7 @@ void measure_errors(Session& session, std::vector<ModeRun>& runs, const ImageSiz
     }
 }
 
-void time_laps(Session& session, std::vector<ModeRun>& runs, int laps, std::size_t frames) {
+void time_laps(Session& session, std::vector<ModeRun>& runs, const ImageSize& size, int laps, std::size_t frames) {
     constexpr std::size_t kWarmUpFrames = 4;  // of a lap, before its frames count as steady
     shading::Image image;
     Progress progress("timing", std::uint64_t(laps) * runs.size() * frames);
@@ -69,12 +70,15 @@ void time_laps(Session& session, std::vector<ModeRun>& runs, int laps, std::size
             for (std::size_t f = 0; f < frames; ++f) {
                 const Camera camera = session.walk().camera(f);
                 const std::uint64_t allocations = heap_allocations();
-                const frame::FrameStats& stats = run.renderer->draw(camera, session.dynamic(), run.settings, image);
+                const Stopwatch pose_watch;
+                const std::span<const scene::Instance> dynamic = session.dynamic(f, size);
+                const double pose_ms = pose_watch.milliseconds();
+                const frame::FrameStats& stats = run.renderer->draw(camera, dynamic, run.settings, image);
                 if (f >= kWarmUpFrames) {
                     run.steady_allocations += heap_allocations() - allocations;
                     ++run.steady_frames;
                 }
-                run.frame_ms.laps[f].push_back(stats.frame_ms);
+                run.frame_ms.laps[f].push_back(pose_ms + stats.frame_ms);
                 run.visibility_ms.laps[f].push_back(stats.visibility_ms());
                 run.shading_ms.laps[f].push_back(stats.shading_ms());
                 for (std::size_t p = 0; p < frame::kPassCount; ++p) run.pass_ms[p] += stats.pass_ms[p];
@@ -113,7 +117,7 @@ Status run_bench(const BenchOptions& options) {
         runs.push_back(std::move(run));
     }
     measure_errors(*session, runs, options.view.size, frames);
-    time_laps(*session, runs, options.laps, frames);
+    time_laps(*session, runs, options.view.size, options.laps, frames);
 
     const scene::StaticScene& scene = session->world().scene();
     const scene::WorldStatistics& statistics = session->world().statistics();

@@ -25,6 +25,9 @@ const std::map<std::string, frame::OpacityKind> kOpacityKinds{{"auto", frame::Op
 const std::map<std::string, frame::SunShadows> kSunShadows{
     {"scene", frame::SunShadows::by_scene}, {"off", frame::SunShadows::off}, {"on", frame::SunShadows::on}};
 
+const std::map<std::string, AutoPlayerKind> kAutoPlayers{{"random", AutoPlayerKind::random},
+                                                         {"winner", AutoPlayerKind::winner}};
+
 /// WIDTHxHEIGHT, both in [16, 8192].
 std::string parse_size(const std::string& text, ImageSize& size) {
     int width = 0, height = 0;
@@ -91,6 +94,16 @@ void add_reproject_options(CLI::App& app, frame::FrameSettings& settings) {
         ->transform(CLI::CheckedTransformer(kCasters, CLI::ignore_case).description(""));
 }
 
+void add_size_and_threads(CLI::App& app, ImageSize& size, int& threads) {
+    app.add_option_function<std::string>(
+        "--size",
+        [&size](const std::string& text) {
+            if (const std::string error = parse_size(text, size); !error.empty()) throw CLI::ValidationError(error);
+        },
+        "Image size in pixels, WIDTHxHEIGHT (640x480)");
+    app.add_option("--threads", threads, "Worker threads; 0: as many as the machine has")->check(CLI::Range(0, 1024));
+}
+
 std::string effect_names() {
     std::string names;
     for (const effects::Effect& effect : effects::registry())
@@ -104,15 +117,7 @@ void add_scene_options(CLI::App& app, ViewOptions& view) {
         ->required();
     app.add_option("--walk", view.walk, "Walkthrough: a name that the pack has, or a .walk.json file")
         ->capture_default_str();
-    app.add_option_function<std::string>(
-        "--size",
-        [&view](const std::string& text) {
-            if (const std::string error = parse_size(text, view.size); !error.empty())
-                throw CLI::ValidationError(error);
-        },
-        "Image size in pixels, WIDTHxHEIGHT (640x480)");
-    app.add_option("--threads", view.threads, "Worker threads; 0: as many as the machine has")
-        ->check(CLI::Range(0, 1024));
+    add_size_and_threads(app, view.size, view.threads);
 }
 
 void add_view_options(CLI::App& app, ViewOptions& view, bool with_mode) {
@@ -291,6 +296,37 @@ int run(int argc, const char* const* argv) {
     accuracy_app->add_flag("--quick", accuracy.quick,
                            "Few frames and pairs of knobs: minutes instead of a quarter of an hour");
 
+    PlayOptions play;
+    auto* play_app = app.add_subcommand("play", "Play the sample game in a world");
+    play_app->add_option("PACK", play.pack, "A .ffpack, or a source")->required();
+    play_app->add_option("--folder", play.folder, "Folder of settings, saved games and recordings");
+    play_app->add_option("--budget-ms", play.budget_ms, "Instead of the player's own")->check(number_in(0.0, 1e5));
+    play_app->add_option("--seed", play.seed, "Of what is left to chance")->capture_default_str();
+    play_app->add_flag("--no-record{false}", play.record, "Do not record the session");
+    play_app->add_flag("--skip-title", play.skip_title, "Begin at once");
+    play_app
+        ->add_option("--player", play.player,
+                     "Without a window, as fast as it goes: random does anything, winner tries to win")
+        ->transform(CLI::CheckedTransformer(kAutoPlayers, CLI::ignore_case).description(""));
+    play_app->add_option("--minutes", play.minutes, "Of game time at most, for --player")->check(number_in(0.0, 1e4));
+    play_app->add_option("--recording", play.recording, "File to record into, for --player");
+
+    ReplayOptions replay;
+    auto* replay_app = app.add_subcommand("replay", "Play a recorded session again");
+    replay_app->add_option("RECORDING", replay.recording, "A .ffreplay")->required();
+    replay_app->add_option("--pack", replay.pack, "The world; default: the one that it was recorded in");
+    replay_app->add_option("--until", replay.until, "Stop after this tick");
+    replay_app->add_flag("--verify", replay.verify,
+                         "Compare every tick with what was recorded; exit code 4 where it differs");
+    replay_app->add_flag("--bench", replay.bench,
+                         "Draw it, 30 frames a second of game time, and say how long frames took");
+    replay_app->add_option("--video", replay.video, "Draw it into a video (needs ffmpeg)");
+    replay_app->add_option("--picture", replay.picture, "Draw the last frame into an image");
+    replay_app->add_flag("--json", replay.json, "Print one JSON object on stdout");
+    replay_app->add_option("--budget-ms", replay.budget_ms, "Of drawn frames; 0: exact frames")
+        ->check(number_in(0.0, 1e5));
+    add_size_and_threads(*replay_app, replay.size, replay.threads);
+
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {
@@ -310,6 +346,8 @@ int run(int argc, const char* const* argv) {
     if (*render_app) status = with_workers(render.view.threads, [&] { return run_render(render); });
     if (*walk_app) status = with_workers(walk.view.threads, [&] { return run_walk(walk); });
     if (*bench_app) status = with_workers(bench.view.threads, [&] { return run_bench(bench); });
+    if (*play_app) status = run_play(play);
+    if (*replay_app) status = with_workers(replay.threads, [&] { return run_replay(replay); });
     if (*stats_app) status = with_workers(stats.view.threads, [&] { return run_stats(stats); });
     if (*hardcases_app) status = run_hardcases(hardcases);
     if (*accuracy_app) status = with_workers(accuracy.view.threads, [&] { return run_accuracy(accuracy); });

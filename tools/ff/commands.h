@@ -97,4 +97,31 @@ struct AccuracyOptions {
 };
 Status run_accuracy(const AccuracyOptions& options);
 
+enum class AutoPlayerKind { none, random, winner };
+struct PlayOptions {
+    std::string pack;              ///< or a source
+    std::filesystem::path folder;  ///< of settings, saves and recordings; empty: the player's own
+    std::optional<double> budget_ms;
+    std::uint64_t seed = 1;
+    bool skip_title = false, record = true;
+    AutoPlayerKind player = AutoPlayerKind::none;  ///< headless, as fast as it goes
+    double minutes = 20.0;                         ///< of game time, at most, for an auto player
+    std::filesystem::path recording;               ///< that it writes; empty: into the folder
+};
+/// The sample game.
+Status run_play(const PlayOptions& options);
+
+struct ReplayOptions {
+    std::filesystem::path recording;
+    std::string pack;  ///< empty: the one that it was recorded in
+    std::optional<std::uint64_t> until;
+    bool verify = false, bench = false, json = false;
+    std::filesystem::path video, picture;  ///< of all frames, of the last; empty: none
+    ImageSize size;
+    double budget_ms = 0.0;
+    int threads = 0;
+};
+/// Errors: bad input; limit where --verify finds a difference.
+Status run_replay(const ReplayOptions& options);
+
 }  // namespace ff::tool

@@ -22,7 +22,7 @@ EffectWalk walk_effects(Session& session, const ImageSize& size, std::size_t fra
     Progress progress("walking", frames);
     for (std::size_t f = 0; f < frames; ++f) {
         const frame::FrameStats& stats =
-            renderer->draw(session.walk().camera(f), session.dynamic(), session.settings_at(f), image);
+            renderer->draw(session.walk().camera(f), session.dynamic(f, size), session.settings_at(f), image);
         for (const effects::Effect& effect : effects::registry()) {
             EffectSum& sum = walk.of[std::size_t(effect.id)];
             const effects::Decision& decision = stats.effects[effect.id];
@@ -75,7 +75,7 @@ std::vector<EffectDifference> compare_effects(Session& session, const ImageSize&
                 Run& run = runs[(i + f) % runs.size()];  // nobody is always first
                 run.settings.time_s = session.settings_at(f).time_s;
                 run.ms[f] = std::min(run.ms[f],
-                                     run.renderer->draw(camera, session.dynamic(), run.settings, run.image).frame_ms);
+                                     run.renderer->draw(camera, session.dynamic(f, size), run.settings, run.image).frame_ms);
             }
             progress.advance();
             if (lap != 0) continue;

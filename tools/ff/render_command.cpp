@@ -23,9 +23,10 @@ Status run_render(const RenderOptions& options) {
     shading::Image image;
     const auto last = std::size_t(options.frame);
     for (std::size_t f = last - std::min(last, kLeadIn); f < last; ++f)
-        renderer->draw(session->walk().camera(f), session->dynamic(), session->settings_at(f), image);
-    const frame::FrameStats& stats =
-        renderer->draw(session->walk().camera(last), session->dynamic(), session->settings_at(last), image);
+        renderer->draw(session->walk().camera(f), session->dynamic(f, options.view.size), session->settings_at(f),
+                       image);
+    const frame::FrameStats& stats = renderer->draw(
+        session->walk().camera(last), session->dynamic(last, options.view.size), session->settings_at(last), image);
     FF_TRY(renderer->refusal());
     log_info("frame {} in {:.1f} ms: {} pixels near, {} sky, {} panorama, {} cast and hit, {} cast and missed",
              options.frame, stats.frame_ms, stats.pixels.near_field, stats.pixels.sky, stats.pixels.panorama,

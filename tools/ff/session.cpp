@@ -10,7 +10,6 @@
 #include "engine/gl/device.h"
 #include "engine/nearfield/near_renderer.h"
 #include "engine/platform/headless.h"
-#include "engine/scene/instance_bounds.h"
 #include "engine/scene/load_world.h"
 #include "tools/accuracy/choose.h"
 #include "tools/cook/cook.h"
@@ -90,20 +89,6 @@ Result<scene::Walk> find_walk(const scene::World& world, const std::string& name
         fmt::format("--walk {}: neither a file nor a walk of this pack, which has {}", name_or_file, names));
 }
 
-scene::Instance make_instance(const scene::StaticScene& scene, const scene::DynamicInstance& moving) {
-    scene::Instance instance{
-        .position = moving.position, .world_from_mesh = moving.world_from_mesh, .mesh = moving.mesh};
-    instance.bounds = scene::world_box(instance, scene.meshes[moving.mesh].bounds);
-    return instance;
-}
-
-std::vector<scene::Instance> dynamic_instances(const scene::World& world) {
-    std::vector<scene::Instance> instances;
-    for (const scene::DynamicInstance& moving : world.info().dynamic_instances)
-        instances.push_back(make_instance(world.scene(), moving));
-    return instances;
-}
-
 class HeadlessGl {
   public:
     explicit HeadlessGl(platform::HeadlessContext context) : context_(std::move(context)) {}
@@ -129,7 +114,7 @@ Result<std::unique_ptr<Session>> Session::open(const ViewOptions& options, std::
     FF_ASSIGN(session->walk_, find_walk(*session->world_, options.walk));
     FF_ASSIGN(session->settings_, chosen_settings(options, *session->world_, session->walk_));
     session->casters_ = std::make_unique<frame::Casters>(session->world_->scene());
-    session->dynamic_ = dynamic_instances(*session->world_);
+    session->moving_.emplace(*session->world_);
 
     bool needs_gl = session->settings_.fixed_near_m.value_or(0.0) > 0.0;
     for (const frame::Mode mode : modes) needs_gl |= mode == frame::Mode::raster || mode == frame::Mode::near;
@@ -147,6 +132,10 @@ Result<std::unique_ptr<Session>> Session::open(const ViewOptions& options, std::
         if (!options.use_occlusion) session->near_renderer()->set_occlusion({.enabled = false});
     }
     return session;
+}
+
+std::span<const scene::Instance> Session::dynamic(std::size_t frame, const ImageSize& size) {
+    return moving_->at(double(frame) / walk_.rate_hz, walk_.camera(frame), size);
 }
 
 frame::FrameSettings Session::settings_at(std::size_t frame) const {

@@ -2,6 +2,7 @@
 // A world opened for drawing, as the drawing subcommands share it.
 
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "engine/core/result.h"
@@ -9,6 +10,7 @@
 #include "engine/scene/walk.h"
 #include "engine/scene/world.h"
 #include "tools/ff/commands.h"
+#include "tools/ff/moving_models.h"
 
 namespace ff::tool {
 
@@ -32,9 +34,6 @@ Result<std::unique_ptr<scene::World>> open_world(const std::string& pack_or_sour
 /// A walk that the pack has, or a .walk.json file. Errors: neither; the message lists the names that there are.
 Result<scene::Walk> find_walk(const scene::World& world, const std::string& name_or_file);
 
-/// The instances that a world starts with and that may move.
-std::vector<scene::Instance> dynamic_instances(const scene::World& world);
-
 /// OpenGL without a window.
 class HeadlessGl;
 
@@ -53,7 +52,9 @@ class Session {
     [[nodiscard]] const frame::FrameSettings& settings() const { return settings_; }
     /// The same at the time of a frame of the walk.
     [[nodiscard]] frame::FrameSettings settings_at(std::size_t frame) const;
-    [[nodiscard]] std::span<const scene::Instance> dynamic() const { return dynamic_; }
+    /// What moves, at a frame of the walk: its time is the frame's number over the walk's rate. Good until the next
+    /// call.
+    [[nodiscard]] std::span<const scene::Instance> dynamic(std::size_t frame, const ImageSize& size);
     [[nodiscard]] frame::Casters& casters() { return *casters_; }
     [[nodiscard]] nearfield::NearRenderer* near_renderer();
     [[nodiscard]] const std::string& gl_renderer_name() const { return gl_name_; }
@@ -66,7 +67,7 @@ class Session {
     std::unique_ptr<scene::World> world_;
     scene::Walk walk_;
     frame::FrameSettings settings_;
-    std::vector<scene::Instance> dynamic_;
+    std::optional<MovingModels> moving_;
     std::string gl_name_ = "none";
     bool gl_is_software_ = false;
     std::unique_ptr<HeadlessGl> gl_;

@@ -52,7 +52,7 @@ Status walk_headless(const WalkOptions& options) {
         Progress progress("walking", walk.frames.size());
         for (std::size_t f = 0; f < walk.frames.size(); ++f) {
             const frame::FrameStats& stats =
-                renderer->draw(walk.camera(f), session->dynamic(), session->settings_at(f), image);
+                renderer->draw(walk.camera(f), session->dynamic(f, options.view.size), session->settings_at(f), image);
             FF_TRY(renderer->refusal());
             frames.push_back(to_json(stats));
             times.push_back(stats.frame_ms);

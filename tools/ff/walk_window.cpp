@@ -46,6 +46,7 @@ class Walker {
 
     /// The camera after `dt` more seconds.
     const Camera& advance(const platform::InputState& input, double dt) {
+        seconds_ += dt;
         if (playing_ && takes_over(input)) {
             playing_ = false;
             log_info("the camera is yours: WASD, E and Q, mouse or arrow keys, shift to run; P plays the walk on");
@@ -64,6 +65,9 @@ class Walker {
         if (recording_) recorded_.frames.insert(recorded_.frames.end(), std::size_t(ticks), frame_of(camera_));
         return camera_;
     }
+
+    /// Since the window opened: the time of what moves.
+    [[nodiscard]] double seconds() const { return seconds_; }
 
     void stop_recording() {
         if (!recording_) return;
@@ -91,7 +95,7 @@ class Walker {
     const scene::Walk& walk_;
     std::filesystem::path out_;
     Camera camera_;
-    double time_ = 0.0;
+    double time_ = 0.0, seconds_ = 0.0;
     bool playing_ = true, recording_ = false;
     loop::FixedStep record_step_{{.ticks_per_second = kRecordHz}};
     scene::Walk recorded_;
@@ -118,7 +122,7 @@ Status walk_in_window(const WalkOptions& options) {
                                                                .height = options.view.size.height}));
     FF_ASSIGN(nearfield::NearRenderer near_renderer, nearfield::NearRenderer::make(world->scene()));
     frame::Casters casters(world->scene());
-    const std::vector<scene::Instance> dynamic = dynamic_instances(*world);
+    MovingModels moving(*world);
 
     FF_ASSIGN(debug::Overlay overlay, debug::Overlay::make(window));
     debug::OverlayData overlay_data;
@@ -145,6 +149,7 @@ Status walk_in_window(const WalkOptions& options) {
             renderer =
                 std::make_unique<frame::Renderer>(world->scene(), casters, &near_renderer, size.width, size.height);
         }
+        const auto dynamic = moving.at(walker.seconds(), camera, {size.width, size.height});
         const frame::FrameStats& stats = renderer->draw(camera, dynamic, settings, image);
         FF_TRY(renderer->refusal());
         if (input.pressed(Key::f1)) show_overlay = !show_overlay;
