@@ -41,7 +41,8 @@ class Player {
     void store_settings();
     [[nodiscard]] std::filesystem::path save_path() const { return folder_ / "saved.game"; }
 
-    Status begin_session(const loop::SavedGame* saved);
+    enum class Purpose : std::uint8_t { play, show_behind_title };
+    Status begin_session(Purpose purpose, const loop::SavedGame* saved = nullptr);
     void end_session();
     void save();
     Status load();
@@ -97,7 +98,7 @@ void Player::store_settings() {
         menu_text_.notice = status.error().message;
 }
 
-Status Player::begin_session(const loop::SavedGame* saved) {
+Status Player::begin_session(Purpose purpose, const loop::SavedGame* saved) {
     end_session();
     SessionSettings settings{.seed = options_.seed,
                              .pack_name = std::filesystem::absolute(options_.pack).string(),
@@ -105,7 +106,8 @@ Status Player::begin_session(const loop::SavedGame* saved) {
                              .recording = {},
                              .start = {},
                              .start_version = 0};
-    if (options_.record) settings.recording = new_recording_path(folder_ / "recordings", info_);
+    if (options_.record && purpose == Purpose::play)
+        settings.recording = new_recording_path(folder_ / "recordings", info_);
     if (saved != nullptr) {
         settings.start = saved->state;
         settings.start_version = saved->version;
@@ -133,9 +135,9 @@ Status Player::load() {
         menu_text_.notice = loaded.error().message;
         return {};
     }
-    if (const Status status = begin_session(&loaded->save); !status) {
+    if (const Status status = begin_session(Purpose::play, &loaded->save); !status) {
         menu_text_.notice = status.error().message;
-        return begin_session(nullptr);
+        return begin_session(Purpose::play);
     }
     menu_ = Menu::none;
     if (!loaded->warning.empty()) log_warning("{}", loaded->warning);
@@ -160,7 +162,7 @@ Status Player::act(Choice choice) {
         case Choice::none:
             break;
         case Choice::start:
-            FF_TRY(begin_session(nullptr));
+            FF_TRY(begin_session(Purpose::play));
             menu_ = Menu::none;
             break;
         case Choice::go_on:
@@ -182,7 +184,7 @@ Status Player::act(Choice choice) {
             menu_ = menu_before_settings_;
             break;
         case Choice::to_title:
-            FF_TRY(begin_session(nullptr));
+            FF_TRY(begin_session(Purpose::show_behind_title));
             open(Menu::title);
             break;
         case Choice::quit:
@@ -244,7 +246,7 @@ Status Player::run() {
     FF_ASSIGN(Screen screen, Screen::make(*window_));
     screen_.emplace(std::move(screen));
     drawer_.emplace(world_, &*near_renderer_);
-    FF_TRY(begin_session(nullptr));
+    FF_TRY(begin_session(options_.skip_title ? Purpose::play : Purpose::show_behind_title));
     open(options_.skip_title ? Menu::none : Menu::title);
     Stopwatch clock;
     while (!quits_ && window_->poll(input_)) {

@@ -74,6 +74,8 @@ struct Screen::Impl {
     ImGuiContext* context = nullptr;
     bool has_glfw = false, has_gl = false;
     Menu last_menu = Menu::none;
+    int selected = 0;                              ///< entry of the menu, for keys and gamepad
+    bool pad_held_before = false;                  ///< a button of the gamepad that menus know
     int waiting_action = -1, waiting_trigger = 0;  ///< of the settings menu: whose new key is asked for
 
     ~Impl() {
@@ -87,6 +89,8 @@ struct Screen::Impl {
     Choice draw_menu(Menu menu, const MenuText& text, const platform::InputState& input, PlayerSettings& settings);
     Choice draw_settings(const platform::InputState& input, PlayerSettings& settings);
     void draw_keys(const platform::InputState& input, PlayerSettings& settings);
+    /// Moves the selection by arrow keys and gamepad. @return whether the selected entry is chosen
+    bool choose_by_keys(Menu menu, int entries, const platform::InputState& input);
 };
 
 Screen::Screen(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -136,6 +140,24 @@ Choice Screen::draw(std::span<const HudItem> hud, Menu menu, const MenuText& tex
     return choice;
 }
 
+bool Screen::Impl::choose_by_keys(Menu menu, int entries, const platform::InputState& input) {
+    using platform::Key;
+    const auto pad = [&](int button) { return ((input.gamepad.buttons >> button) & 1) != 0; };
+    constexpr int kPadA = 0, kPadUp = 11, kPadDown = 13;
+    const bool opened = menu != last_menu;
+    const bool pad_held = pad(kPadA) || pad(kPadUp) || pad(kPadDown), pad_new = pad_held && !pad_held_before;
+    pad_held_before = pad_held;
+    if (opened) {
+        // What opened the menu does not choose in it.
+        selected = 0;
+        return false;
+    }
+    if (input.pressed(Key::down) || (pad_new && pad(kPadDown))) selected = (selected + 1) % entries;
+    if (input.pressed(Key::up) || (pad_new && pad(kPadUp))) selected = (selected + entries - 1) % entries;
+    selected = std::min(selected, entries - 1);
+    return input.pressed(Key::enter) || input.pressed(Key::space) || (pad_new && pad(kPadA));
+}
+
 Choice Screen::Impl::draw_menu(Menu menu, const MenuText& text, const platform::InputState& input,
                                PlayerSettings& settings) {
     const ImVec2 size = ImGui::GetIO().DisplaySize;
@@ -175,15 +197,20 @@ Choice Screen::Impl::draw_menu(Menu menu, const MenuText& text, const platform::
     const float width = 0.34f * size.x;
     ImGui::SetNextWindowPos({0.5f * (size.x - width), 0.47f * size.y});
     ImGui::SetNextWindowSize({width, 0.45f * size.y});
-    if (menu != last_menu) ImGui::SetNextWindowFocus();
-    ImGui::Begin("menu", nullptr, kBare);
+    ImGui::Begin("menu", nullptr, kBare | ImGuiWindowFlags_NoNav);
     ImGui::SetWindowFontScale(kTextSize * size.y / ImGui::GetFont()->FontSize);
-    bool first = true;
+    const int shown = int(std::count_if(entries.begin(), entries.end(), [](const Entry& e) { return e.shown; }));
+    const bool activates = choose_by_keys(menu, shown, input);
+    int number = 0;
     for (const Entry& entry : entries) {
         if (!entry.shown) continue;
+        const bool is_selected = number++ == selected;
+        ImGui::PushStyleColor(ImGuiCol_Button,
+                              ImGui::GetStyleColorVec4(is_selected ? ImGuiCol_ButtonHovered : ImGuiCol_Button));
         if (ImGui::Button(entry.label, {-1.0f, kButtonHeight * size.y})) choice = entry.choice;
-        if (first && menu != last_menu) ImGui::SetItemDefaultFocus();
-        first = false;
+        ImGui::PopStyleColor();
+        if (is_selected && activates) choice = entry.choice;
+        if (ImGui::IsItemHovered() && ImGui::GetIO().MouseDelta.y != 0.0f) selected = number - 1;
     }
     ImGui::End();
     return choice;

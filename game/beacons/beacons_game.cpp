@@ -75,7 +75,8 @@ const host::GameInfo& game_info() {
         .name = "beacons",
         .title = "Beacons",
         .intro =
-            "The watch on the heights has gone home. Find the beacons with your spyglass, climb to them,\n"
+            "The watch on the heights has gone home.\n"
+            "Find the beacons with your spyglass, climb to them,\n"
             "and light them all before the last light is gone.",
         .save_version = kSaveVersion,
         .fov = kFov,

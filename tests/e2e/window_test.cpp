@@ -41,5 +41,42 @@ wait $tool
     EXPECT_LT(psnr, 35.0) << "the picture did not change while W was held";
 }
 
+TEST(Window, the_game_is_begun_walked_and_left_by_keys_and_its_recording_plays_again) {
+    if (run("command -v xvfb-run && command -v xdotool").exit_code != 0)
+        GTEST_SKIP() << "xvfb-run or xdotool is not installed (tools/setup installs both)";
+    const auto folder = scratch() / "player";
+    const auto script = scratch() / "game.sh";
+    // Escape pauses; from "Go on", Up goes round to "Quit".
+    write_file(script, R"(set -eu
+)" FF_BINARY R"( play "$1" --folder "$2" --budget-ms 100 &
+tool=$!
+for _ in $(seq 600); do window=$(xdotool search --onlyvisible --name Beacons | head -1) && [ -n "$window" ] && break; sleep 0.1; done
+for _ in $(seq 50); do xdotool windowfocus "$window" && break; sleep 0.1; done  # refused until it is mapped
+sleep 3
+xdotool key --window "$window" Return
+for _ in $(seq 300); do [ -e "$2/recordings/beacons-1.ffreplay" ] && break; sleep 0.1; done
+sleep 1
+xdotool keydown --window "$window" w; sleep 2; xdotool keyup --window "$window" w
+sleep 0.5
+xdotool key --window "$window" Escape
+sleep 1.5
+xdotool key --window "$window" Up
+sleep 1
+xdotool keydown --window "$window" Return  # no key up: the window is gone by then
+wait $tool
+)");
+    const ProcessResult result = run("XDG_CACHE_HOME=" + (scratch() / "cache").string() +
+                                     " timeout 200 xvfb-run -a -s '-screen 0 800x600x24' bash " + script.string() +
+                                     " " + hamlet_pack().string() + " " + folder.string());
+    ASSERT_EQ(result.exit_code, 0) << result.out << result.err;
+    const ProcessResult replay =
+        run_ff("replay " + (folder / "recordings/beacons-1.ffreplay").string() + " --verify --json");
+    ASSERT_EQ(replay.exit_code, 0) << replay.err;
+    EXPECT_NE(replay.err.find("every tick as recorded"), std::string::npos) << replay.err;
+    // Two seconds of walking are metres away from the spawn point.
+    EXPECT_EQ(replay.err.find(", 0.0), "), std::string::npos) << replay.err;
+    EXPECT_NE(replay.out.find("\"closed\": true"), std::string::npos) << replay.out;
+}
+
 }  // namespace
 }  // namespace ff::test
