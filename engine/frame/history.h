@@ -16,6 +16,7 @@
 #include "engine/farfield/ray_caster.h"
 #include "engine/farfield/reproject.h"
 #include "engine/farfield/visibility_buffer.h"
+#include "engine/frame/reflection_pass.h"
 #include "engine/frame/settings.h"
 #include "engine/frame/stats.h"
 #include "engine/frame/sun_pass.h"
@@ -74,6 +75,7 @@ struct FrameHistory {
     shading::Upscaler upscaler;
     std::unique_ptr<farfield::Reprojection> reprojection;  ///< made when a plan first asks for it
     std::unique_ptr<SunLight> sun;                         ///< likewise
+    std::unique_ptr<ReflectionWork> reflections;           ///< likewise
     SourceMasks sources;
     std::vector<farfield::TileRequest> wanted;    ///< scratch: what neither near field nor horizon answers
     std::vector<farfield::TileRequest> requests;  ///< scratch: what is to be cast

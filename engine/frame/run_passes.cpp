@@ -97,20 +97,14 @@ void take_out_shaded(const FramePlan& plan, const scene::StaticScene& scene,
     }
 }
 
-/// Takes pixels of open water out of a mask of finished colours: its waves move.
-void take_out_water(const scene::StaticScene& scene, std::span<const scene::Instance> dynamic,
-                    const farfield::VisibilityBuffer& visibility, PixelMask& coloured) {
-    const auto is_water = [&](std::uint32_t id, std::uint32_t triangle) {
-        const scene::Instance* const instance = id < scene.instances.size() ? &scene.instances[id]
-                                                : id - scene.instances.size() < dynamic.size()
-                                                    ? &dynamic[id - scene.instances.size()]
-                                                    : nullptr;
-        if (instance == nullptr) return false;
-        const scene::Mesh& mesh = scene.meshes[instance->mesh];
-        if ((mesh.material_flags & scene::kMaterialWater) == 0 || triangle >= mesh.triangle_count) return false;
-        const std::uint16_t material = scene.triangle_materials[std::size_t(mesh.first_triangle) + triangle];
-        return (scene.materials[material].flags & scene::kMaterialWater) != 0;
-    };
+bool has_mirrors(const FramePlan& plan) {
+    return plan.effects.is_active(effects::EffectId::water) || plan.effects.is_active(effects::EffectId::reflections);
+}
+
+/// Takes pixels of mirrors out of a mask of finished colours: waves move, and what is mirrored may.
+void take_out_mirrors(const scene::StaticScene& scene, std::span<const scene::Instance> dynamic,
+                      const farfield::VisibilityBuffer& visibility, PixelMask& coloured) {
+    effects::MirrorTest is_mirror(scene, dynamic);
     for (std::size_t t = 0; t < coloured.tiles.size(); ++t) {
         const int x0 = int(t % std::size_t(coloured.tiles_x)) * kTileSize;
         const int y0 = int(t / std::size_t(coloured.tiles_x)) * kTileSize;
@@ -119,7 +113,7 @@ void take_out_water(const scene::StaticScene& scene, std::span<const scene::Inst
             const std::size_t first = visibility.index(x0, y0 + row);
             for (unsigned left = bits; left != 0; left &= left - 1) {
                 const auto i = std::size_t(std::countr_zero(left));
-                if (is_water(visibility.instance[first + i], visibility.triangle[first + i])) bits &= ~(1u << i);
+                if (is_mirror(visibility.instance[first + i], visibility.triangle[first + i])) bits &= ~(1u << i);
             }
             coloured.tiles[t].rows[row] = std::uint16_t(bits);
         }
@@ -311,8 +305,7 @@ void look_up_panorama(const FramePlan& plan, const Tools& tools, const farfield:
     farfield::Panorama& panorama = *history.panorama;
     const TimedPass timed(stats, Pass::panorama);
     // Depths are fetched only where something may stand before the texels, names where its shadow may fall on them.
-    const bool wants_ids = plan.keep_ids || (plan.sun_shadows && !plan.dynamic.empty()) ||
-                           plan.effects.is_active(effects::EffectId::water);
+    const bool wants_ids = plan.keep_ids || (plan.sun_shadows && !plan.dynamic.empty()) || has_mirrors(plan);
     const bool wants_depths =
         wants_ids || !plan.dynamic.empty() || plan.effects.is_active(effects::EffectId::transparency);
     const farfield::PanoramaTarget target{.visibility = wants_depths ? &history.visibility : nullptr,
@@ -436,19 +429,19 @@ void draw_surfaces(const FramePlan& plan, const Tools& tools, FrameHistory& hist
             bound_moving(plan.dynamic, history.moving);
             take_out_shaded(plan, tools.scene, history.moving, history.all_tiles, visibility, coloured);
         }
-        if (plan.effects.is_active(effects::EffectId::water))
-            take_out_water(tools.scene, plan.dynamic, visibility, coloured);
+        if (has_mirrors(plan)) take_out_mirrors(tools.scene, plan.dynamic, visibility, coloured);
         const PixelMask* const done[] = {&coloured};
         collect_requests(history.all_tiles, done, history.to_shade);
     }
     const std::uint8_t* const sun_seen =
         find_sun(plan, tools.scene, visibility, history.to_shade,
                  plan.look_up_panorama ? history.panorama.get() : nullptr, history.sun, stats);
+    const shading::Reflections* const reflections = find_reflections(plan, tools, history, stats);
     {
         const TimedPass timed(stats, Pass::shade);
         stats.shaded_pixels +=
             shading::shade_tiles(tools.scene, plan.dynamic, plan.view, visibility, history.to_shade,
-                                 shade_settings(plan, tools, plan.view, sun_seen, history, stats), image);
+                                 shade_settings(plan, tools, plan.view, sun_seen, history, stats, reflections), image);
     }
     if (plan.store_panorama) {
         const TimedPass timed(stats, Pass::store);

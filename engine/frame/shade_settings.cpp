@@ -14,7 +14,8 @@ constexpr float kCoverPerSnow = 2.0f;
 }  // namespace
 
 shading::ShadeSettings shade_settings(const FramePlan& plan, const Tools& tools, const PinholeView& view,
-                                      const std::uint8_t* sun_seen, FrameHistory& history, FrameStats& stats) {
+                                      const std::uint8_t* sun_seen, FrameHistory& history, FrameStats& stats,
+                                      const shading::Reflections* reflections) {
     history.lamps.clear();
     if (plan.lamps_within_m > 0.0f) {
         const TimedEffect timed(stats, effects::EffectId::lamps);
@@ -27,6 +28,7 @@ shading::ShadeSettings shade_settings(const FramePlan& plan, const Tools& tools,
             .sun_seen = sun_seen,
             .lamps = history.lamps,
             .waves = has_waves ? &history.waves : nullptr,
+            .reflections = reflections,
             .wet = std::min(1.0f, kWetPerRain * weather.rain),
             .snow_cover = std::min(1.0f, kCoverPerSnow * weather.snow)};
 }

@@ -9,6 +9,7 @@
 #include <glm/matrix.hpp>
 
 #include "engine/scene/scene_data.h"
+#include "engine/shading/reflections.h"
 #include "engine/shading/shading_model.h"
 
 namespace ff::shading {
@@ -211,9 +212,16 @@ DVec3 sky_color(const ShadingUniforms& uniforms, const scene::Environment& envir
     return sky_gradient(uniforms, d.y) + sun * clamp01(1.0 + d.y * kHazeRate) * DVec3(uniforms.sun_radiance);
 }
 
+/// Light from the world in a mirror, and its share of what that shows.
+struct Reflected {
+    DVec3 color{0.0};
+    double share = 0.0;
+};
+
 /// See specular_surface in shading_kernel.cpp for the sources.
 DVec3 specular_surface(const ShadingUniforms& uniforms, const DVec3& n, const DVec3& to_eye, const DVec3& color,
-                       double metallic, double roughness, double sun_seen, const DVec3& lamps, bool has_waves = false) {
+                       double metallic, double roughness, double sun_seen, const DVec3& lamps, bool has_waves = false,
+                       const Reflected& reflected = {}) {
     const DVec3 sun(uniforms.to_sun);
     const double n_l = std::max(glm::dot(n, sun), 0.0), n_v = std::max(glm::dot(n, to_eye), 1e-4);
     const DVec3 half = glm::normalize(sun + to_eye);
@@ -235,9 +243,9 @@ DVec3 specular_surface(const ShadingUniforms& uniforms, const DVec3& n, const DV
     const double mirrored_y = mirrored_way.y;
     const DVec3 blurred = DVec3(uniforms.ambient_side) + mirrored_y * DVec3(uniforms.ambient_slope) +
                           mirrored_y * mirrored_y * DVec3(uniforms.ambient_curve);
-    const DVec3 mirrored = glm::mix(
-        uniforms.panorama_size.z > 0.0f ? atmosphere_light(uniforms, mirrored_way) : sky_gradient(uniforms, mirrored_y),
-        blurred, rough);
+    const DVec3 sky =
+        uniforms.panorama_size.z > 0.0f ? atmosphere_light(uniforms, mirrored_way) : sky_gradient(uniforms, mirrored_y);
+    const DVec3 mirrored = glm::mix(glm::mix(sky, reflected.color, reflected.share), blurred, rough);
     const double r0 = 1.0 - rough, r1 = 0.0425 - 0.0275 * rough, r2 = 1.04 - 0.572 * rough, r3 = 0.022 * rough - 0.04;
     const double a004 = std::min(r0 * r0, std::exp2(-9.28 * n_v)) * r0 + r1;
     return lit + mirrored * (f0 * (r2 - 1.04 * a004) + DVec3(1.04 * a004 + r3));
@@ -267,6 +275,62 @@ DVec3 wave_slopes(const Waves& waves, const DVec3& at, double pixel_m) {
     return sum;
 }
 
+/// The four pixels around a point of the image, of those that are known.
+struct ReflectionSample {
+    Reflected light;
+    bool is_known = false;
+};
+ReflectionSample sample_reflections(const Reflections& reflections, double x, double y) {
+    const Image& image = reflections.image;
+    x = std::clamp(x, 0.0, image.width - 1.001);
+    y = std::clamp(y, 0.0, image.height - 1.001);
+    const int left = int(x), top = int(y);
+    double known = 0.0, surface = 0.0;
+    DVec3 sum(0.0);
+    for (int k = 0; k < 4; ++k) {
+        const double weight = (k % 2 ? x - left : 1.0 - (x - left)) * (k / 2 ? y - top : 1.0 - (y - top));
+        const std::uint32_t pixel =
+            image.pixels[std::size_t(top + k / 2) * std::size_t(image.stride) + std::size_t(left + k % 2)];
+        if ((pixel >> 24) > kReflectsUnknown) known += weight;
+        if ((pixel >> 24) <= kReflectsSky) continue;
+        surface += weight;
+        sum += weight * unpack(pixel);
+    }
+    return {{linear_of(sum / std::max(surface, 1e-6)), surface / std::max(known, 1e-6)}, known > 0.2};
+}
+
+/// See find_reflected in simd_reflection-inl.h.
+Reflected find_reflected(const Reflections& reflections, const PinholeView& view, const DVec3& direction,
+                         const DVec3& flat, const DVec3& bent, double f0, double depth, bool fades) {
+    const DVec3 to_eye = -glm::normalize(direction);
+    double share = reflection_share(float(clamp01(glm::dot(flat, to_eye))), float(f0));
+    if (fades) share *= clamp01(2.0 - 2.0 * depth / reflections.within_m);
+    if (!(share > 0.0)) return {};
+    const DMat3 axes(view.world_from_camera);
+    const auto place_of = [&](const DVec3& way, double least_ahead) {
+        const double ahead = std::max(-glm::dot(way, axes[2]), least_ahead);
+        return DVec2((glm::dot(way, axes[0]) / ahead - view.u_first) / (double(view.u_step) * reflections.step) - 0.5,
+                     (glm::dot(way, axes[1]) / ahead - view.v_first) / (double(view.v_step) * reflections.step) - 0.5);
+    };
+    const DVec2 at = place_of(direction, 0.0);
+    ReflectionSample sample = sample_reflections(reflections, at.x, at.y);
+    if (flat != bent) {
+        const DVec3 way = 2.0 * glm::dot(bent, to_eye) * bent - to_eye;
+        const DVec3 seen = way - 2.0 * glm::dot(flat, way) * flat;
+        const auto nearest = [](double x, int size) { return std::size_t(std::clamp(x + 0.5, 0.0, size - 1.0)); };
+        const double way_m =
+            reflections.depth[nearest(at.y, reflections.image.height) * std::size_t(reflections.image.stride) +
+                              nearest(at.x, reflections.image.width)];
+        const double far = sample.is_known ? clamp01(1.0 - depth / std::max(way_m, depth)) : 0.0;
+        const DVec2 moved = at + far * (place_of(seen, 0.05) - at);
+        const ReflectionSample there = sample_reflections(reflections, moved.x, moved.y);
+        if (there.is_known) sample = there;
+    }
+    if (!sample.is_known) return {};
+    sample.light.share *= share;
+    return sample.light;
+}
+
 /// How much of a layer that falls from the sky lies on surfaces of a normal's height.
 double lies_on(double normal_y, double amount, double from, double full) {
     return amount * clamp01((normal_y - from) / (full - from));
@@ -274,8 +338,9 @@ double lies_on(double normal_y, double amount, double from, double full) {
 
 /// Linear, before fog.
 DVec3 surface_color(const StaticScene& scene, const ShadingUniforms& uniforms, const SeenTriangle& seen,
-                    const DVec3& direction, double depth, double pixel_angle, double sun_seen,
+                    const PinholeView& view, const DVec3& direction, double depth, double sun_seen,
                     const ShadeSettings& settings) {
+    const double pixel_angle = view.pixel_angle();
     const scene::Material& material = *seen.material;
     const auto interpolated = [&](const auto& at0, const auto& at1, const auto& at2) {
         return at0 + seen.b1 * (at1 - at0) + seen.b2 * (at2 - at0);
@@ -299,13 +364,16 @@ DVec3 surface_color(const StaticScene& scene, const ShadingUniforms& uniforms, c
     const bool has_waves = settings.waves != nullptr && (material.flags & scene::kMaterialSpecular) != 0 &&
                            (material.flags & scene::kMaterialWater) != 0;
     double unseen = 0.0;
+    const DVec3 flat = normal;
     if (has_waves) {
         const DVec3 slopes = wave_slopes(*settings.waves, depth * direction, kWaterStretch * depth * pixel_angle);
-        normal = glm::normalize(normal - DVec3(slopes.x, 0.0, slopes.y));
-        unseen = slopes.z;
+        const double strength = material.wave_strength();
+        normal = glm::normalize(normal - strength * DVec3(slopes.x, 0.0, slopes.y));
+        unseen = strength * strength * slopes.z;
     }
-    color = glm::mix(color, DVec3(kSnowAlbedo), lies_on(normal.y, settings.snow_cover, kSnowFrom, kSnowFull));
-    const double wetness = lies_on(normal.y, settings.wet, kWetFrom, kWetFull);
+    const double on_land = has_waves ? 0.0 : 1.0;
+    color = glm::mix(color, DVec3(kSnowAlbedo), on_land * lies_on(normal.y, settings.snow_cover, kSnowFrom, kSnowFull));
+    const double wetness = on_land * lies_on(normal.y, settings.wet, kWetFrom, kWetFull);
     color *= 1.0 - kWetDarkens * wetness;
     const DVec3 lamps = lamp_light(settings.lamps, depth * direction, normal), to_eye = -glm::normalize(direction);
     if (!(material.flags & scene::kMaterialSpecular)) {
@@ -318,10 +386,16 @@ DVec3 surface_color(const StaticScene& scene, const ShadingUniforms& uniforms, c
         const DVec3 map = sample(scene, scene.textures[material.metallic_roughness_texture], uv, footprint);
         rough_metal *= DVec2(map.y, map.z);
     }
-    if (has_waves) rough_metal.x = std::pow(std::pow(rough_metal.x, 4.0) + 2.0 * unseen, 0.25);
-    return soft_clip(
-        specular_surface(uniforms, normal, to_eye, color, rough_metal.y, rough_metal.x, sun_seen, lamps, has_waves) +
-        emissive);
+    if (has_waves) rough_metal = {std::pow(std::pow(rough_metal.x, 4.0) + 2.0 * unseen, 0.25), 0.0};
+    Reflected reflected;
+    if (settings.reflections != nullptr && is_mirror(material)) {
+        const double f0 = glm::mix(double(kDielectric), std::max({color.x, color.y, color.z}), rough_metal.y);
+        const bool fades = (material.flags & scene::kMaterialWater) == 0;
+        reflected = find_reflected(*settings.reflections, view, direction, flat, normal, f0, depth, fades);
+    }
+    return soft_clip(specular_surface(uniforms, normal, to_eye, color, rough_metal.y, rough_metal.x, sun_seen, lamps,
+                                      has_waves, reflected) +
+                     emissive);
 }
 
 DVec3 prelit_color(const StaticScene& scene, const ShadingUniforms& uniforms, const SeenTriangle& seen,
@@ -370,7 +444,7 @@ Vec3 shade_reference(const StaticScene& scene, std::span<const scene::Instance> 
             settings.sun_seen == nullptr ? 1.0 : settings.sun_seen[std::size_t(y) * stride + std::size_t(x)] / 255.0;
         color = depth > settings.prelit_beyond_m
                     ? prelit_color(scene, uniforms, seen, sun_seen)
-                    : surface_color(scene, uniforms, seen, direction, depth, view.pixel_angle(), sun_seen, settings);
+                    : surface_color(scene, uniforms, seen, view, direction, depth, sun_seen, settings);
         const double distance_m = depth * glm::length(direction);
         color = uniforms.panorama_size.z > 0.0f
                     ? behind_air(uniforms, color, distance_m, glm::normalize(direction))
