@@ -72,7 +72,9 @@ Renderer::Renderer(const scene::StaticScene& scene, Casters& casters, nearfield:
       dynamic_overlay_(scene),
       layer_index_(farfield::make_layer_index(scene)),
       lamps_(scene.lamps),
-      facts_{.layer_index = &layer_index_, .lamps = &lamps_},
+      water_(effects::find_material(scene, scene::kMaterialWater)),
+      mirrors_(effects::find_material(scene, scene::kMaterialMirror)),
+      facts_{.layer_index = &layer_index_, .lamps = &lamps_, .water = water_, .mirrors = mirrors_},
       tools_{drawn_, casters, culler_, dynamic_overlay_, layer_index_, facts_, near_renderer},
       width_(width),
       height_(height) {

@@ -21,6 +21,7 @@ enum class Pass : std::uint8_t {
     verify,
     cast,
     sun,
+    reflect,
     shade,
     store,
     blend,
@@ -28,10 +29,10 @@ enum class Pass : std::uint8_t {
     upscale,
     present
 };
-inline constexpr std::size_t kPassCount = 15;
+inline constexpr std::size_t kPassCount = 16;
 inline constexpr std::array<std::string_view, kPassCount> kPassNames{
-    "plan", "near",  "opacity", "horizon", "panorama", "reproject", "verify", "cast",
-    "sun",  "shade", "store",   "blend",   "fall",     "upscale",   "present"};
+    "plan", "near",    "opacity", "horizon", "panorama", "reproject", "verify",  "cast",
+    "sun",  "reflect", "shade",   "store",   "blend",    "fall",      "upscale", "present"};
 
 /// Pixels by how they came to be (P0 Figure 11); they add up to the image as it was drawn.
 struct PixelCounts {
@@ -77,8 +78,8 @@ struct FrameStats {
                ms(Pass::verify) + ms(Pass::cast);
     }
     [[nodiscard]] double shading_ms() const {
-        return ms(Pass::sun) + ms(Pass::shade) + ms(Pass::store) + ms(Pass::blend) + ms(Pass::fall) +
-               ms(Pass::upscale) + ms(Pass::present);
+        return ms(Pass::sun) + ms(Pass::reflect) + ms(Pass::shade) + ms(Pass::store) + ms(Pass::blend) +
+               ms(Pass::fall) + ms(Pass::upscale) + ms(Pass::present);
     }
 
     [[nodiscard]] effects::Work& work(effects::EffectId id) { return effect_work[std::size_t(id)]; }

@@ -166,17 +166,21 @@ void add_view_options(CLI::App& app, ViewOptions& view, bool with_mode) {
             return effects::find_effect(name) != nullptr ? std::string()
                                                          : "no effect '" + name + "'; there are " + effect_names();
         });
-    app.add_option_function<std::vector<double>>(
-           "--sun",
-           [&settings](const std::vector<double>& angles) {
-               const double azimuth = radians_of(angles[0]), elevation = radians_of(angles[1]);
-               settings.to_sun = Vec3(std::cos(elevation) * std::sin(azimuth), std::sin(elevation),
-                                      -std::cos(elevation) * std::cos(azimuth));
-           },
-           "Azimuth and elevation of the sun in degrees, instead of the scene's: 215,12")
-        ->delimiter(',')
-        ->expected(2)
-        ->check(number_in(-360.0, 360.0));
+    const auto add_sun = [&](const char* name, std::optional<std::array<double, 2>>& sun_deg, const char* about) {
+        return app
+            .add_option_function<std::vector<double>>(
+                name,
+                [&sun_deg](const std::vector<double>& angles) {
+                    sun_deg = {angles[0], angles[1]};
+                },
+                about)
+            ->delimiter(',')
+            ->expected(2)
+            ->check(number_in(-360.0, 360.0));
+    };
+    auto* sun =
+        add_sun("--sun", view.sun_deg, "Azimuth and elevation of the sun in degrees, instead of the scene's: 215,12");
+    add_sun("--sun-to", view.sun_to_deg, "Where --sun has moved by the end of the walk")->needs(sun);
     const auto add_weather = [&](const char* name, float scene::Weather::*what, const char* about) {
         app.add_option_function<double>(
                name,
@@ -191,6 +195,9 @@ void add_view_options(CLI::App& app, ViewOptions& view, bool with_mode) {
     add_weather("--snow", &scene::Weather::snow, "Snow instead of the scene's weather, 0 to 1");
     app.add_option("--lamps-within-m", settings.lamps_within_m, "Lamps farther away light nothing; 0: none does")
         ->check(number_in(0.0, 1e5));
+    app.add_option("--reflection-rays", settings.reflection_rays,
+                   "Rays a frame, about, for what water and glass mirror; 0: they mirror the sky alone")
+        ->check(CLI::Range(0, 100000000));
     app.add_flag("--no-sun-reuse{false}", settings.reuse_sun,
                  "Cast a ray towards the sun from every pixel in every frame");
     app.add_option("--sun-refresh", settings.sun_refresh_frames,
@@ -279,6 +286,8 @@ int run(int argc, const char* const* argv) {
         ->check(CLI::Range(0, 1000));
     stats_app->add_option("--pictures", stats.pictures,
                           "Folder for the picture that each effect changes most, with and without it");
+    stats_app->add_option("--table", stats.table,
+                          "Folder for effects.md: every effect's cost, and its picture with and without it");
     stats_app->add_flag("--json", stats.json, "Print one JSON object on stdout");
 
     HardcasesOptions hardcases;

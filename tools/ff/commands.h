@@ -1,6 +1,7 @@
 #pragma once
 // The tool's subcommands, each a function from its options to a Status; the command line is read in command_line.cpp.
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
@@ -28,6 +29,8 @@ struct ViewOptions {
     frame::FrameSettings frame;
     bool use_occlusion = true;  ///< the hybrid's near field leaves out what is hidden
     int threads = 0;            ///< 0: all
+    /// Azimuth and elevation of the sun in degrees: instead of the scene's, and where it has moved by the walk's end.
+    std::optional<std::array<double, 2>> sun_deg, sun_to_deg;
     /// Errors that may be made: the fastest settings of the pack's accuracy table that keep them are taken.
     std::optional<double> max_error_px, min_psnr_db;
 };
@@ -78,6 +81,7 @@ struct StatsOptions {
     int max_frames = 0;    ///< 0: the whole walk
     int compare_laps = 0;  ///< laps in which each effect's frames are drawn with and without it; 0: not compared
     std::filesystem::path pictures;  ///< folder for pictures with and without each effect; empty: none
+    std::filesystem::path table;     ///< folder for a page of all effects with their pictures; empty: none
     bool json = false;
 };
 Status run_stats(const StatsOptions& options);

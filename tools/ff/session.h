@@ -1,6 +1,7 @@
 #pragma once
 // A world opened for drawing, as the drawing subcommands share it.
 
+#include <array>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -75,6 +76,7 @@ class Session {
     std::unique_ptr<scene::World> world_;
     scene::Walk walk_;
     frame::FrameSettings settings_;
+    std::optional<std::array<double, 2>> sun_deg_, sun_to_deg_;
     std::optional<MovingModels> moving_;
     std::string gl_name_ = "none";
     bool gl_is_software_ = false;
