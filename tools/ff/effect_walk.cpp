@@ -7,26 +7,21 @@
 #include "engine/core/log.h"
 #include "engine/core/quantile.h"
 #include "engine/shading/image_difference.h"
+#include "tools/ff/walk_lap.h"
 
 namespace ff::tool {
-namespace {
 
-constexpr std::uint64_t kWarmUpFrames = 4;  // of an effect, before its frames count as steady
-
-}  // namespace
-
-EffectWalk walk_effects(Session& session, const ImageSize& size, std::size_t frames) {
+Result<EffectWalk> walk_effects(Session& session, const ImageSize& size, std::size_t frames) {
     const auto renderer = session.make_renderer(size);
     shading::Image image;
     EffectWalk walk;
     Progress progress("walking", frames);
-    for (std::size_t f = 0; f < frames; ++f) {
-        const frame::FrameStats& stats =
-            renderer->draw(session.walk().camera(f), session.dynamic(f, size), session.settings_at(f), image);
+    const Status drawn = draw_lap(session, *renderer, session.settings(), size, frames, image, [&](const LapFrame& f) {
+        const frame::FrameStats& stats = f.stats;
         for (const effects::Effect& effect : effects::registry()) {
             EffectSum& sum = walk.of[std::size_t(effect.id)];
             const effects::Decision& decision = stats.effects[effect.id];
-            if (f == 0 || decision.state > sum.decision.state) sum.decision = decision;
+            if (f.frame == 0 || decision.state > sum.decision.state) sum.decision = decision;
             const effects::Work& work = stats.work(effect.id);
             if (decision.state == effects::State::active &&
                 sum.frames_in[std::size_t(effects::State::active)] >= kWarmUpFrames)
@@ -38,7 +33,8 @@ EffectWalk walk_effects(Session& session, const ImageSize& size, std::size_t fra
         }
         ++walk.frames;
         progress.advance();
-    }
+    });
+    if (!drawn) return drawn.error();
     return walk;
 }
 

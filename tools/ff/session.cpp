@@ -140,12 +140,12 @@ Result<std::unique_ptr<Session>> Session::open(const ViewOptions& options, std::
 }
 
 std::span<const scene::Instance> Session::dynamic(std::size_t frame, const ImageSize& size) {
-    return moving_->at(double(frame) / walk_.rate_hz, walk_.camera(frame), size);
+    return moving_->at(time_s(frame), walk_.camera(frame), size);
 }
 
 frame::FrameSettings Session::settings_at(std::size_t frame) const {
     frame::FrameSettings settings = settings_;
-    settings.time_s = double(frame) / walk_.rate_hz;
+    settings.time_s = time_s(frame);
     return settings;
 }
 
