@@ -7,6 +7,7 @@
 
 #include "engine/effects/effect.h"
 #include "engine/farfield/reproject.h"
+#include "engine/frame/span_log.h"
 
 namespace ff::frame {
 
@@ -71,6 +72,7 @@ struct FrameStats {
     double resolution = 1.0;       ///< pixels drawn by pixels shown, along a side; below 1 where time was short
     float parallax_p99_px = 0.0f;  ///< predicted, of reused panorama texels
     float parallax_max_px = 0.0f;
+    SpanLog log;  ///< when all this was done
 
     /// Time that went into finding what each pixel sees, and into colouring it (P3 7.2 tells them apart).
     [[nodiscard]] double visibility_ms() const {

@@ -64,7 +64,8 @@ struct WalkOptions {
     std::filesystem::path out = "out";
     bool video = false;
     WalkTarget target = WalkTarget::automatic;
-    int every = 0;  ///< PNG of every n-th frame; 0: eight over the walk
+    int every = 0;                ///< PNG of every n-th frame; 0: eight over the walk
+    std::filesystem::path trace;  ///< empty: none
 };
 Status run_walk(const WalkOptions& options);
 
@@ -72,9 +73,44 @@ struct BenchOptions {
     ViewOptions view;
     std::vector<std::string> modes;
     int laps = 3;
-    int max_frames = 0;  ///< 0: the whole walk
+    int max_frames = 0;           ///< 0: the whole walk
+    bool each_frame = false;      ///< report every frame, and pictures of the slowest, for ff report
+    std::filesystem::path trace;  ///< of the last lap; empty: none
 };
 Status run_bench(const BenchOptions& options);
+
+struct BudgetOptions {
+    ViewOptions view;
+    std::filesystem::path budget;  ///< to hold; empty: none
+    std::filesystem::path write;   ///< to make; empty: none
+    double margin_pct = 5.0;       ///< of what is made
+    int laps = 6, max_laps = 40;   ///< at least; at most, while a limit is missed
+    int max_frames = 0;            ///< 0: the whole walk
+    std::filesystem::path junit, trace;
+    std::filesystem::path keep;  ///< folder for what a miss leaves; empty: budget-miss, beside junit where there is one
+    bool json = false;
+};
+/// Errors: bad input; limit where the budget is missed.
+Status run_budget(const BudgetOptions& options);
+
+struct CompareOptions {
+    std::filesystem::path recording;
+    std::vector<std::string> packs;      ///< two, or sources
+    std::optional<std::uint64_t> until;  ///< ticks
+    int laps = 1;
+    std::filesystem::path out = "compare";  ///< folder of pictures
+    ImageSize size;
+    double budget_ms = 0.0;
+    int threads = 0;
+    bool json = false;
+};
+Status run_compare(const CompareOptions& options);
+
+struct ReportOptions {
+    std::vector<std::filesystem::path> inputs;  ///< JSON of bench, budget, replay or compare
+    std::filesystem::path output;
+};
+Status run_report(const ReportOptions& options);
 
 struct StatsOptions {
     ViewOptions view;
@@ -122,6 +158,8 @@ struct ReplayOptions {
     std::optional<std::uint64_t> until;
     bool verify = false, bench = false, json = false;
     std::filesystem::path video, picture;  ///< of all frames, of the last; empty: none
+    std::filesystem::path trace;           ///< of the frames that --bench draws; empty: none
+    bool each_frame = false;               ///< report every frame that --bench draws, for ff report
     ImageSize size;
     double budget_ms = 0.0;
     int threads = 0;

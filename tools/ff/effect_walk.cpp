@@ -5,19 +5,14 @@
 #include <memory>
 #include <optional>
 
-#include "engine/core/heap_count.h"
 #include "engine/core/log.h"
 #include "engine/core/quantile.h"
 #include "engine/shading/image_difference.h"
+#include "tools/ff/walk_lap.h"
 
 namespace ff::tool {
-namespace {
 
-constexpr std::uint64_t kWarmUpFrames = 4;  // of an effect, before its frames count as steady
-
-}  // namespace
-
-EffectWalk walk_effects(Session& session, const ImageSize& size, std::size_t frames) {
+Result<EffectWalk> walk_effects(Session& session, const ImageSize& size, std::size_t frames) {
     const auto renderer = session.make_renderer(size);
     shading::Image image;
     EffectWalk walk;
@@ -25,14 +20,12 @@ EffectWalk walk_effects(Session& session, const ImageSize& size, std::size_t fra
     std::vector<double> all_ms, change_ms;
     int since_change = 3;
     Progress progress("walking", frames);
-    for (std::size_t f = 0; f < frames; ++f) {
-        const std::uint64_t heap = heap_allocation_count();
-        const frame::FrameStats& stats =
-            renderer->draw(session.walk().camera(f), session.dynamic(f, size), session.settings_at(f), image);
+    const Status drawn = draw_lap(session, *renderer, session.settings(), size, frames, image, [&](const LapFrame& f) {
+        const frame::FrameStats& stats = f.stats;
         for (const effects::Effect& effect : effects::registry()) {
             EffectSum& sum = walk.of[std::size_t(effect.id)];
             const effects::Decision& decision = stats.effects[effect.id];
-            if (f == 0 || decision.state > sum.decision.state) sum.decision = decision;
+            if (f.frame == 0 || decision.state > sum.decision.state) sum.decision = decision;
             const effects::Work& work = stats.work(effect.id);
             if (decision.state == effects::State::active &&
                 sum.frames_in[std::size_t(effects::State::active)] >= kWarmUpFrames)
@@ -49,16 +42,17 @@ EffectWalk walk_effects(Session& session, const ImageSize& size, std::size_t fra
                 if (before.of[e].state != stats.effects.of[e].state) return false;
             return true;
         };
-        const bool changes = f > 0 && !same_states();
+        const bool changes = f.frame > 0 && !same_states();
         before = stats.effects;
-        if (f == 0) continue;
+        if (f.frame == 0) return;
         walk.changes += changes;
         since_change = changes ? 0 : since_change + 1;
         all_ms.push_back(stats.frame_ms);
         if (since_change < 3) change_ms.push_back(stats.frame_ms);
-        if (!changes && f >= kWarmUpFrames)
-            walk.most_allocations = std::max(walk.most_allocations, heap_allocation_count() - heap);
-    }
+        if (!changes && f.frame >= kWarmUpFrames)
+            walk.most_allocations = std::max(walk.most_allocations, f.allocations);
+    });
+    if (!drawn) return drawn.error();
     if (!all_ms.empty()) {
         walk.max_ms = *std::max_element(all_ms.begin(), all_ms.end());
         walk.p99_ms = quantile_of(all_ms, 0.99);

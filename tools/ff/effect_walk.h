@@ -27,8 +27,8 @@ struct EffectWalk {
     std::array<EffectSum, effects::kEffectCount> of;
 };
 
-/// Draws the first frames of the session's walk, each once.
-[[nodiscard]] EffectWalk walk_effects(Session& session, const ImageSize& size, std::size_t frames);
+/// Draws the first frames of the session's walk, each once. Errors: what the renderer refuses.
+Result<EffectWalk> walk_effects(Session& session, const ImageSize& size, std::size_t frames);
 
 /// What an effect changes.
 struct EffectDifference {

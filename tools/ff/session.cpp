@@ -145,12 +145,17 @@ Result<std::unique_ptr<Session>> Session::open(const ViewOptions& options, std::
 }
 
 std::span<const scene::Instance> Session::dynamic(std::size_t frame, const ImageSize& size) {
-    return moving_->at(double(frame) / walk_.rate_hz, walk_.camera(frame), size);
+    return moving_->at(time_s(frame), walk_.camera(frame), size);
 }
 
 frame::FrameSettings Session::settings_at(std::size_t frame) const {
     frame::FrameSettings settings = settings_;
-    settings.time_s = double(frame) / walk_.rate_hz;
+    set_time(frame, settings);
+    return settings;
+}
+
+void Session::set_time(std::size_t frame, frame::FrameSettings& settings) const {
+    settings.time_s = time_s(frame);
     if (sun_deg_) {
         const std::array<double, 2>& to = sun_to_deg_.value_or(*sun_deg_);
         const double part = double(frame) / double(std::max<std::size_t>(walk_.frames.size() - 1, 1));
@@ -159,7 +164,6 @@ frame::FrameSettings Session::settings_at(std::size_t frame) const {
         settings.to_sun = Vec3(std::cos(elevation) * std::sin(azimuth), std::sin(elevation),
                                -std::cos(elevation) * std::cos(azimuth));
     }
-    return settings;
 }
 
 nearfield::NearRenderer* Session::near_renderer() {

@@ -75,7 +75,7 @@ Status run_stats(const StatsOptions& options) {
               Session::open(options.view, std::span(&options.view.frame.mode, 1)));
     const std::size_t all = session->walk().frames.size();
     const std::size_t frames = options.max_frames > 0 ? std::min(std::size_t(options.max_frames), all) : all;
-    const EffectWalk walk = walk_effects(*session, options.view.size, frames);
+    FF_ASSIGN(const EffectWalk walk, walk_effects(*session, options.view.size, frames));
     const bool wants_table = !options.table.empty();
     // Pictures alone are those of one lap.
     const int laps = std::max(options.compare_laps, options.pictures.empty() && !wants_table ? 0 : 1);
