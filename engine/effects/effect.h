@@ -8,8 +8,18 @@
 
 namespace ff::effects {
 
-enum class EffectId : std::uint8_t { atmosphere, fog, lamps, rain, snow, sun_shadows, transparency };
-inline constexpr std::size_t kEffectCount = 7;
+enum class EffectId : std::uint8_t {
+    atmosphere,
+    fog,
+    lamps,
+    rain,
+    reflections,
+    snow,
+    sun_shadows,
+    transparency,
+    water
+};
+inline constexpr std::size_t kEffectCount = 9;
 
 enum class State : std::uint8_t {
     off,     ///< nothing calls for it: no memory, no shader, no system, no ray, no time

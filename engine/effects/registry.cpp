@@ -14,12 +14,16 @@ constexpr std::array<Effect, kEffectCount> kEffects{{
      "a grid over the lamps, light by pixel in tiles within their reach", "", decide_lamps},
     {EffectId::rain, "rain", "[weather] rain",
      "wet ground by pixel, streaks, a ray for each new square metre of shelter", "", decide_rain},
+    {EffectId::reflections, "reflections", "[[water]], and glass or metal of a roughness up to 0.2, near the viewer",
+     "a buffer and an image of the frame's size, rays by mirrors in their planes", "", decide_reflections},
     {EffectId::snow, "snow", "[weather] snow",
      "snow on the ground by pixel, flakes, a ray for each new square metre of shelter", "", decide_snow},
     {EffectId::sun_shadows, "sun_shadows", "[sun] shadows, while the sun is up",
      "a hierarchy of sun boxes, a byte a pixel, rays towards the sun", "", decide_sun_shadows},
     {EffectId::transparency, "transparency", "blended materials near the viewer",
      "two buffers of the image's size, a search for layers", "BLEND", decide_transparency},
+    {EffectId::water, "water", "[[water]] and [terrain] water_m, near the viewer",
+     "five trains of waves by pixel of water, which no panorama keeps", "", decide_water},
 }};
 
 constexpr bool is_in_order() {

@@ -4,6 +4,7 @@
 #include <optional>
 #include <span>
 #include <string_view>
+#include <vector>
 
 #include "engine/effects/effect.h"
 #include "engine/effects/lamp_grid.h"
@@ -16,7 +17,17 @@ namespace ff::effects {
 struct SceneFacts {
     const farfield::LayerIndex* layer_index = nullptr;  ///< where blended triangles are; nullptr: nowhere
     const LampGrid* lamps = nullptr;                    ///< nullptr: there are none
+    std::span<const DBox3> water;                       ///< around what holds open water
+    std::span<const DBox3> mirrors;                     ///< around what holds other mirrors
 };
+
+/// Boxes around the instances that hold a material with one of these flags.
+[[nodiscard]] std::vector<DBox3> find_material(const scene::StaticScene& scene, std::uint32_t flags);
+/// Whether one of the boxes is nearer to the eye.
+[[nodiscard]] bool is_any_within(std::span<const DBox3> boxes, const WorldPos& eye, double within_m);
+
+/// Farther away all waves are smaller than pixels, and the mirror is as rough as it gets.
+inline constexpr double kWavesWithinM = 1500.0;
 
 /// What decisions read: the scene, this frame's light and air, the viewer, and what the user wants.
 struct Conditions {
@@ -29,6 +40,8 @@ struct Conditions {
     std::optional<bool> sun_shadows;  ///< wanted whatever the scene says
     float blend_within_m = 0.0f;
     float lamps_within_m = 0.0f;
+    std::uint64_t reflection_rays = 0;
+    float reflections_within_m = 0.0f;
     EffectSet without = 0;  ///< switched off by the user
 };
 
@@ -55,8 +68,10 @@ struct Effect {
 [[nodiscard]] Decision decide_fog(const Conditions& conditions);
 [[nodiscard]] Decision decide_lamps(const Conditions& conditions);
 [[nodiscard]] Decision decide_rain(const Conditions& conditions);
+[[nodiscard]] Decision decide_reflections(const Conditions& conditions);
 [[nodiscard]] Decision decide_snow(const Conditions& conditions);
 [[nodiscard]] Decision decide_sun_shadows(const Conditions& conditions);
 [[nodiscard]] Decision decide_transparency(const Conditions& conditions);
+[[nodiscard]] Decision decide_water(const Conditions& conditions);
 
 }  // namespace ff::effects

@@ -45,7 +45,8 @@ struct BeamView {
 struct BeamRequest {
     std::uint16_t x = 0, y = 0;
     std::array<const TileRequest*, 4> quarters{};
-    float begin = 0.0f;  ///< metres along the view axis; nearer things need not be found
+    float begin = 0.0f;                  ///< metres along the view axis; nearer things need not be found
+    const DepthPlane* behind = nullptr;  ///< nothing nearer than this is there
 };
 
 /// Least of the depths that `out` holds at the pixels asked for.

@@ -29,6 +29,7 @@ HWY_INLINE void prefetch_materials(const scene::StaticScene& scene, const BvhLea
     for (std::size_t index = 0; index < 3 * BvhLeaf::kMaxTriangles; index += kLine) __builtin_prefetch(indices + index);
 }
 
+template <bool kBehind>
 HWY_NOINLINE void draw_leaf(const scene::StaticScene& scene, const BvhLeaf& leaf, std::uint32_t instance,
                             const Linear (&xyw)[3], const AlphaRays& rays, Tile& tile) {
     if (leaf.alpha_triangles != 0) prefetch_materials(scene, leaf, instance);
@@ -48,15 +49,27 @@ HWY_NOINLINE void draw_leaf(const scene::StaticScene& scene, const BvhLeaf& leaf
         const std::uint32_t triangle = leaf.first_triangle + std::uint32_t(i);
         if (HWY_UNLIKELY((leaf.alpha_triangles >> i) & 1)) {
             AlphaDraw alpha{scene, instance, triangle, rays, leaf, i, {}};
-            draw<true>(s, i, instance, triangle, tile, &alpha);
+            draw<true, kBehind>(s, i, instance, triangle, tile, &alpha);
         } else {
-            draw<false>(s, i, instance, triangle, tile, nullptr);
+            draw<false, kBehind>(s, i, instance, triangle, tile, nullptr);
         }
     }
     if (tile.changed_cells != 0) {
         find_farthest(tile, tile.changed_cells);
         tile.changed_cells = 0;
     }
+}
+
+// Makes the tile show only what lies beyond a plane.
+// @return false where none of its rays meets the plane
+bool begin_behind(const DepthPlane& plane, const AlphaRays& rays, Tile& tile) {
+    tile.behind_x = plane.of_u * rays.u_step;
+    tile.behind_y = plane.of_v * rays.v_step;
+    tile.behind_c = plane.of_u * rays.u_middle + plane.of_v * rays.v_middle + plane.level;
+    const float most = tile.behind_c + kHalf * (std::abs(tile.behind_x) + std::abs(tile.behind_y));
+    if (!(most > 0.0f)) return false;
+    tile.begin = std::max(tile.begin, 0.9999f / most);
+    return true;
 }
 
 }  // namespace
@@ -70,6 +83,8 @@ void CastTile(const scene::StaticScene& scene, const BeamView& view, const BeamR
     for (const std::uint32_t row : rows) cost.rays += std::uint64_t(std::popcount(row));
 
     const AlphaRays rays = view.alpha_rays(request.x, request.y);
+    const bool is_behind = request.behind != nullptr;
+    if (is_behind && !begin_behind(*request.behind, rays, tile)) return write_tile(tile, request, rows, out);
     const DMat3 tile_from_world = view.tile_from_world(request.x, request.y);
     const auto linears = [&](Linear(&xyw)[3], const DMat3& world_from_space, const WorldPos& origin) {
         const DVec3 offset = origin - view.view.position;
@@ -94,7 +109,10 @@ void CastTile(const scene::StaticScene& scene, const BeamView& view, const BeamR
             },
             [&](std::uint32_t leaf) {
                 cost.triangles += leaves[leaf].triangle_count;
-                draw_leaf(scene, leaves[leaf], id, xyw, rays, tile);
+                if (HWY_UNLIKELY(is_behind))
+                    draw_leaf<true>(scene, leaves[leaf], id, xyw, rays, tile);
+                else
+                    draw_leaf<false>(scene, leaves[leaf], id, xyw, rays, tile);
             });
     };
     if (!scene.instance_nodes.empty()) {

@@ -230,12 +230,14 @@ struct Drawn {
 
 // Draws a register's columns from `column` on, rows y0..y1; true if a pixel was won. Rows are the inner loop: what
 // depends on the column alone is done once.
-template <bool kAlpha>
+// @tparam kBehind  only what lies beyond Tile::behind_* counts
+template <bool kAlpha, bool kBehind>
 HWY_INLINE bool draw_columns(const Drawn& d, int column, int y0, int y1, std::uint32_t instance, std::uint32_t triangle,
                              Tile& tile, AlphaDraw* alpha, const LeafScratch& s, int i) {
     const VF x = hn::Iota(f, float(column) - kHalf);
     const VF c0 = hn::MulAdd(d.a[0], x, d.c[0]), c1 = hn::MulAdd(d.a[1], x, d.c[1]);
     const VF c2 = hn::MulAdd(d.a[2], x, d.c[2]), g = hn::MulAdd(d.gx, x, d.g0);
+    const VF too_near = hn::MulAdd(hn::Set(f, tile.behind_x), x, hn::Set(f, tile.behind_c));
     MF any = hn::MaskFromVec(hn::Zero(f));
     VF y = hn::Set(f, float(y0) - kHalf);
     for (int row = y0; row <= y1; ++row, y = hn::Add(y, hn::Set(f, 1.0f))) {
@@ -246,6 +248,8 @@ HWY_INLINE bool draw_columns(const Drawn& d, int column, int y0, int y1, std::ui
         const VF best = hn::LoadU(f, tile.best + at);
         const MF inside = hn::Ge(min3(e[0], e[1], e[2]), hn::Zero(f));
         MF win = hn::And(inside, hn::Ge(inverse_depth, best));
+        if constexpr (kBehind)
+            win = hn::And(win, hn::Lt(inverse_depth, hn::MulAdd(hn::Set(f, tile.behind_y), y, too_near)));
         if (HWY_UNLIKELY(d.is_thin)) {
             const VF low_x = hn::Set(f, float(s.x0[i]) - kHalf), high_x = hn::Set(f, float(s.x1[i]) - kHalf);
             win = hn::And(win, hn::And(hn::Ge(x, low_x), hn::Le(x, high_x)));
@@ -313,13 +317,13 @@ HWY_INLINE std::uint32_t cells_to_draw(const Drawn& d, const LeafScratch& s, int
 }
 
 // Draws triangle i of the leaf into the pixels that it wins.
-template <bool kAlpha>
+template <bool kAlpha, bool kBehind = false>
 HWY_INLINE void draw(const LeafScratch& s, int i, std::uint32_t instance, std::uint32_t triangle, Tile& tile,
                      AlphaDraw* alpha) {
     const Drawn d(s, i);
     const int x0 = s.x0[i], x1 = s.x1[i], y0 = s.y0[i], y1 = s.y1[i];
     const auto columns = [&](int column, int first_row, int last_row) {
-        return draw_columns<kAlpha>(d, column, first_row, last_row, instance, triangle, tile, alpha, s, i);
+        return draw_columns<kAlpha, kBehind>(d, column, first_row, last_row, instance, triangle, tile, alpha, s, i);
     };
     bool has_won = false;
     if (x1 - x0 < 8) {

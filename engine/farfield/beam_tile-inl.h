@@ -68,6 +68,7 @@ struct Tile {
     alignas(64) std::uint32_t triangle[kBeamSize * kRowStride];
     alignas(64) float cell_best[kCells][kCells];                           // of the farthest pixel, row by row
     float begin = 0;                                                       // depth; nearer boxes are passed over
+    float behind_x = 0, behind_y = 0, behind_c = 0;                        // 1/depth that is too near; in tile space
     int first_changed = kBeamSize, last_changed = -1;                      // pixel rows, by layers
     std::uint32_t changed_cells = 0;                                       // bits row by row, by hits
     float first_column = 0, last_column = 0, first_row = 0, last_row = 0;  // bounds of the pixels asked for

@@ -113,6 +113,12 @@ class Panorama {
     /// @param wanted  the pixels that nothing else answers, by tiles of the view; none beyond its width and height
     /// @return texels chosen, at most limits.ray_budget
     std::uint64_t plan_fill(const PinholeView& view, std::span<const TileRequest> wanted, const PanoramaLimits& limits);
+    /// Chooses the next of the known texels instead, whole tiles from the `next`-th of the map on, to be cast and
+    /// shaded anew by the same steps: what they show is right, but their light is not any more.
+    /// @param texels  at most so many
+    /// @param next    0 for a new round; moves on
+    /// @return whether the round is complete
+    bool plan_refresh(std::uint64_t texels, std::uint32_t& next);
     /// The texels of one face (0..5) that plan_fill chose; for face_view() and map().
     [[nodiscard]] std::span<const TileRequest> fill_requests(int face) const;
     /// All six faces lie below each other in one buffer of face_size x 6 face_size texels; this view's pixels are the

@@ -126,6 +126,28 @@ std::uint64_t Panorama::plan_fill(const PinholeView& view, std::span<const TileR
     return chosen;
 }
 
+bool Panorama::plan_refresh(std::uint64_t texels, std::uint32_t& next) {
+    State& s = *state_;
+    FF_CHECK(s.record != kNeverTraced, "plan_refresh before begin_frame");
+    for (auto& list : s.requests) list.clear();
+    const auto side = std::uint32_t(s.map.tiles_side);
+    for (; next < s.map.tiles.size(); ++next) {
+        if (s.map.tiles[next].record == kNeverTraced) continue;
+        TileRequest request{std::uint16_t(next % side * kTileSize), std::uint16_t(next / side * kTileSize), {}};
+        std::uint64_t count = 0;
+        for (int j = 0; j < kTileSize; ++j) {
+            const std::size_t row = s.map.index(request.x, request.y + j);
+            for (std::size_t i = 0; i < kTileSize; ++i)
+                if (s.map.records[row + i] != kNeverTraced) request.rows[j] = std::uint16_t(request.rows[j] | 1u << i);
+            count += std::uint64_t(std::popcount(request.rows[j]));
+        }
+        if (count > texels) return false;
+        texels -= count;
+        s.requests[std::size_t(request.y) / std::size_t(s.map.size)].push_back(request);
+    }
+    return true;
+}
+
 void Panorama::commit_fill(int face, std::span<const std::uint32_t> colors, int stride) {
     State& s = *state_;
     const std::span<const TileRequest> requests = s.requests[std::size_t(face)];

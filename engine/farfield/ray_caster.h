@@ -23,6 +23,12 @@ struct RayHit {
     float t = 0.0f;  ///< in lengths of the direction; +inf for sky
 };
 
+/// A plane before a view, as its rays meet it: 1/depth = u * of_u + v * of_v + level for the ray (u, v, -1) in camera
+/// space. Not positive: the ray never does.
+struct DepthPlane {
+    float of_u = 0.0f, of_v = 0.0f, level = 0.0f;
+};
+
 /// Work done, for the cost model; exact and repeatable.
 struct CastCost {
     std::uint64_t rays = 0;

@@ -102,6 +102,9 @@ Status check_settings(const FrameSettings& settings) {
             fmt::format("settings: lamps_within_m {}; expected metres in [0, 100000]", settings.lamps_within_m));
     if (!(settings.fall_density >= 0.0f && settings.fall_density <= 1.0f))
         return bad_input(fmt::format("settings: fall_density {}; expected [0, 1]", settings.fall_density));
+    if (!(settings.reflections_within_m > 0.0f && settings.reflections_within_m <= 1e5f))
+        return bad_input(fmt::format("settings: reflections_within_m {}; expected metres in (0, 100000]",
+                                     settings.reflections_within_m));
     return check_reprojection(settings.reproject);
 }
 

@@ -5,11 +5,13 @@ namespace ff::frame {
 DynamicOverlay::DynamicOverlay(const scene::StaticScene& scene)
     : scene_(scene),
       first_id_(std::uint32_t(scene.instances.size())),
-      caster_(farfield::make_live_beam_caster(scene_)) {}
+      caster_(farfield::make_live_beam_caster(scene_)),
+      behind_(scene_) {}
 
 farfield::CastCost DynamicOverlay::draw(const PinholeView& view, std::span<const scene::Instance> dynamic,
                                         std::span<const farfield::TileRequest> all_tiles,
-                                        farfield::VisibilityBuffer& visibility, farfield::PixelMask& covered) {
+                                        farfield::VisibilityBuffer& visibility, farfield::PixelMask& covered,
+                                        const farfield::DepthPlane* behind) {
     if (dynamic.empty()) return {};
     const std::span<const farfield::TileRequest> tiles = tiles_.find(view, dynamic, all_tiles);
     if (tiles.empty()) return {};
@@ -17,7 +19,8 @@ farfield::CastCost DynamicOverlay::draw(const PinholeView& view, std::span<const
         visibility_.resize(visibility.width, visibility.height);
     scene_.instances = dynamic;
     scene_.instance_nodes = tree_.build(dynamic, scene_.origin);
-    const farfield::CastCost cost = caster_->cast_tiles(view, tiles, visibility_);
+    const farfield::CastCost cost = behind != nullptr ? behind_.cast(view, *behind, tiles, visibility_)
+                                                      : caster_->cast_tiles(view, tiles, visibility_);
 
     for (const farfield::TileRequest& tile : tiles)
         for (int row = 0; row < farfield::kTileSize; ++row) {

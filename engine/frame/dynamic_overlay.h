@@ -3,6 +3,7 @@
 #include <memory>
 #include <span>
 
+#include "engine/farfield/mirror_caster.h"
 #include "engine/farfield/pixel_mask.h"
 #include "engine/farfield/ray_caster.h"
 #include "engine/farfield/visibility_buffer.h"
@@ -26,10 +27,14 @@ class DynamicOverlay {
     /// on.
     /// @param tiles    all tiles of the view
     /// @param covered  sized to the view; set where an instance now shows, else left
+    /// @param behind   if given, nothing nearer than this plane is there
     /// @return the work done
     farfield::CastCost draw(const PinholeView& view, std::span<const scene::Instance> dynamic,
                             std::span<const farfield::TileRequest> tiles, farfield::VisibilityBuffer& visibility,
-                            farfield::PixelMask& covered);
+                            farfield::PixelMask& covered, const farfield::DepthPlane* behind = nullptr);
+
+    /// Makes room for views up to this size.
+    void reserve(int width, int height) { visibility_.resize(width, height); }
 
     /// The scene with the instances of the last draw, and a tree over them, in place of the static ones.
     [[nodiscard]] const scene::StaticScene& moving() const { return scene_; }
@@ -39,6 +44,7 @@ class DynamicOverlay {
     std::uint32_t first_id_;
     scene::MovingBvh tree_;
     std::unique_ptr<farfield::RayCaster> caster_;  ///< of scene_
+    farfield::MirrorCaster behind_;                ///< likewise
     MovingTiles tiles_;
     farfield::VisibilityBuffer visibility_;
 };

@@ -21,6 +21,8 @@ void FrameHistory::reset(int width, int height) {
         sun->pause_frames = 0;
     }
     if (shelter) shelter->clear();
+    reflections.reset();  // of one image size
+    panorama_light = {};
     panorama_is_full = false;
     rest_frames = 0;
     has_frame = false;

@@ -16,6 +16,7 @@
 #include "engine/farfield/ray_caster.h"
 #include "engine/farfield/reproject.h"
 #include "engine/farfield/visibility_buffer.h"
+#include "engine/frame/reflection_pass.h"
 #include "engine/frame/settings.h"
 #include "engine/frame/stats.h"
 #include "engine/frame/sun_pass.h"
@@ -37,11 +38,19 @@ struct SourceMasks {
 struct PanoramaLook {
     float blend_within_m = 0.0f;
     bool sun_shadows = false;
-    Vec3 to_sun{0.0f}, sun_radiance{0.0f}, sky_horizon{0.0f};
     float fog_density_per_m = 0.0f, lamps_within_m = 0.0f;
+    scene::Atmosphere atmosphere;
     scene::Weather weather;
 
     friend bool operator==(const PanoramaLook&, const PanoramaLook&) = default;
+};
+
+/// The light on the panorama's texels. A sun that has moved a little leaves them in use while they are lit anew.
+struct PanoramaLight {
+    Vec3 oldest_sun{0.0f};   ///< that some texel may still be lit by
+    Vec3 started_sun{0.0f};  ///< of this frame when the round began
+    std::uint32_t next = 0;  ///< texel tile of the round
+    bool is_round = false;   ///< one is under way
 };
 
 struct FrameHistory {
@@ -49,6 +58,7 @@ struct FrameHistory {
     budget::Governor governor;
     budget::Outlook outlook;  ///< drawn from the last frame's visibility
     effects::Daylight daylight;
+    shading::Waves waves;                       ///< scratch: of this frame
     std::vector<shading::LampLight> lamps;      ///< scratch: lit ones in view
     std::unique_ptr<effects::Shelter> shelter;  ///< made when something falls
     farfield::HorizonMap horizon;
@@ -59,11 +69,13 @@ struct FrameHistory {
     shading::Image panorama_colors;                ///< where its texels are shaded
     bool panorama_is_full = false;                 ///< it held all that the last frame saw, and the viewer stood
     PanoramaLook panorama_look;                    ///< of its texels
+    PanoramaLight panorama_light;                  ///< likewise
     shading::LayerScratch layers;                  ///< scratch: transparent layers on their way into the image
     shading::Image reduced;                        ///< a frame that is drawn smaller than it is shown
     shading::Upscaler upscaler;
     std::unique_ptr<farfield::Reprojection> reprojection;  ///< made when a plan first asks for it
     std::unique_ptr<SunLight> sun;                         ///< likewise
+    std::unique_ptr<ReflectionWork> reflections;           ///< likewise
     SourceMasks sources;
     std::vector<farfield::TileRequest> wanted;    ///< scratch: what neither near field nor horizon answers
     std::vector<farfield::TileRequest> requests;  ///< scratch: what is to be cast

@@ -45,6 +45,8 @@ constexpr std::array kSunRefreshes{KnobValue{1}, KnobValue{8}, KnobValue{32}, Kn
 constexpr std::array kSunShadowsValues{KnobValue{0, "as the scene says"}, KnobValue{1, "off"}};
 constexpr std::array kLampDistances{KnobValue{1600}, KnobValue{400}, KnobValue{200},
                                     KnobValue{100},  KnobValue{50},  KnobValue{0, "none"}};
+constexpr std::array kReflectionRays{KnobValue{400'000}, KnobValue{96'000}, KnobValue{24'000}, KnobValue{6'000},
+                                     KnobValue{0, "none"}};
 constexpr std::array kFallDensities{KnobValue{1.0}, KnobValue{0.5}, KnobValue{0.25}, KnobValue{0, "none"}};
 constexpr std::array kChecks{KnobValue{1, "on"}, KnobValue{0, "off"}};
 
@@ -117,6 +119,14 @@ const std::array kKnobs{
          .set = [](FrameSettings& s, double v) { s.lamps_within_m = float(v); },
          .scope = KnobScope::all,
          .needs_lamps = true},
+    Knob{.name = "reflection_rays",
+         .unit = "rays",
+         .about = "Rays a frame, about, for what water and glass mirror; none: the sky alone.",
+         .default_value = 24'000.0,
+         .values = kReflectionRays,
+         .set = [](FrameSettings& s, double v) { s.reflection_rays = std::uint64_t(v); },
+         .scope = KnobScope::all,
+         .needs_mirrors = true},
     Knob{.name = "fall_density",
          .unit = "",
          .about = "Share of the drops and flakes near the viewer that are drawn.",

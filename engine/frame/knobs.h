@@ -38,6 +38,7 @@ struct Knob {
     bool needs_gl = false;       ///< only where there is OpenGL to draw with
     bool needs_sun = false;      ///< only where the scene's sun casts shadows
     bool needs_lamps = false;    ///< only where the scene has lamps
+    bool needs_mirrors = false;  ///< only where the scene has water or what mirrors
     bool needs_weather = false;  ///< only where rain or snow falls in the scene
 
     /// The value as people read it: its name, or its number with the unit.

@@ -32,9 +32,11 @@ void draw_known_frame(const FramePlan& plan, const Tools& tools, FrameHistory& h
     }
     const std::uint8_t* const sun_seen =
         find_sun(plan, tools.scene, visibility, history.all_tiles, nullptr, history.sun, stats);
+    const shading::Reflections* const reflections = find_reflections(plan, tools, history, stats);
     const TimedPass timed(stats, Pass::shade);
-    stats.shaded_pixels = shading::shade_tiles(tools.scene, plan.dynamic, plan.view, visibility, history.all_tiles,
-                                               shade_settings(plan, tools, plan.view, sun_seen, history, stats), image);
+    stats.shaded_pixels =
+        shading::shade_tiles(tools.scene, plan.dynamic, plan.view, visibility, history.all_tiles,
+                             shade_settings(plan, tools, plan.view, sun_seen, history, stats, reflections), image);
 }
 
 }  // namespace ff::frame

@@ -92,6 +92,8 @@ void decide_effects(const scene::StaticScene& scene, const effects::SceneFacts& 
                                             .sun_shadows = sun_shadows,
                                             .blend_within_m = settings.blend_within_m,
                                             .lamps_within_m = settings.lamps_within_m,
+                                            .reflection_rays = settings.reflection_rays,
+                                            .reflections_within_m = settings.reflections_within_m,
                                             .without = settings.without_effects});
     scene::Weather& weather = plan.environment.weather;
     if (!plan.effects.is_active(EffectId::rain)) weather.rain = 0.0f;
@@ -101,6 +103,8 @@ void decide_effects(const scene::StaticScene& scene, const effects::SceneFacts& 
                  .density = settings.fall_density,
                  .light = plan.environment.sky_horizon};
     plan.lamps_within_m = plan.effects.is_active(EffectId::lamps) ? settings.lamps_within_m : 0.0f;
+    if (plan.effects.is_active(EffectId::reflections)) plan.reflection_rays = settings.reflection_rays;
+    plan.reflections_within_m = settings.reflections_within_m;
     plan.sun_elevation_deg = degrees_of(std::asin(std::clamp(double(plan.environment.to_sun.y), -1.0, 1.0)));
     if (!plan.effects.is_active(EffectId::fog)) plan.environment.fog_density_per_m = 0.0f;
     // Casters look past blended surfaces that are drawn as layers, also where none is near.
@@ -256,6 +260,7 @@ std::string to_text(const FramePlan& plan) {
                             plan.image_height);
     if (plan.sun_shadows)
         text += fmt::format("sun shadows{}\n", plan.reuse_sun ? ", of the last frame where they hold" : "");
+    if (plan.reflection_rays > 0) text += fmt::format("reflections by about {} rays\n", plan.reflection_rays);
     text += plan.ray_budget == UINT64_MAX ? std::string("rays as many as needed")
                                           : fmt::format("rays at most {}", plan.ray_budget);
     return text + fmt::format(" by {}\n", kCasters[int(plan.caster)]);

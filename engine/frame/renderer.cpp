@@ -8,6 +8,7 @@
 
 #include "engine/core/check.h"
 #include "engine/core/stopwatch.h"
+#include "engine/core/work_clock.h"
 #include "engine/frame/check_input.h"
 #include "engine/nearfield/near_renderer.h"
 
@@ -72,7 +73,9 @@ Renderer::Renderer(const scene::StaticScene& scene, Casters& casters, nearfield:
       dynamic_overlay_(scene),
       layer_index_(farfield::make_layer_index(scene)),
       lamps_(scene.lamps),
-      facts_{.layer_index = &layer_index_, .lamps = &lamps_},
+      water_(effects::find_material(scene, scene::kMaterialWater)),
+      mirrors_(effects::find_material(scene, scene::kMaterialMirror)),
+      facts_{.layer_index = &layer_index_, .lamps = &lamps_, .water = water_, .mirrors = mirrors_},
       tools_{drawn_, casters, culler_, dynamic_overlay_, layer_index_, facts_, near_renderer},
       width_(width),
       height_(height) {
@@ -107,18 +110,21 @@ const FrameStats& Renderer::refuse(Error reason, shading::Image& image) {
 
 const FrameStats& Renderer::draw(const Camera& camera, std::span<const scene::Instance> dynamic,
                                  const FrameSettings& settings, shading::Image& image) {
-    const Stopwatch watch;
+    const std::int64_t begin_ns = steady_ns(), begin_work_ns = work_ns();
     if (const Status input = check_frame_input(source_, camera, dynamic, settings); !input)
         return refuse(input.error(), image);
     refusal_ = {};
     plan_frame(source_, facts_, dynamic, camera, width_, height_, settings, history_, plan_);
     drawn_ = source_;
     drawn_.environment = plan_.environment;
-    const double plan_ms = watch.milliseconds();
+    const std::int64_t planned_ns = steady_ns(), planned_work_ns = work_ns();
     history_.last_stats = run_passes(plan_, tools_, history_, image);
     FrameStats& stats = history_.last_stats;
-    stats.ms(Pass::plan) = plan_ms;
-    stats.frame_ms = watch.milliseconds() - stats.untimed_ms;
+    stats.ms(Pass::plan) = 1e-6 * double(planned_work_ns - begin_work_ns);
+    stats.log.begin_ns = begin_ns;
+    stats.log.end_ns = steady_ns();
+    stats.log.add({.begin_ns = begin_ns, .end_ns = planned_ns, .index = std::uint8_t(Pass::plan)});
+    stats.frame_ms = 1e-6 * double(work_ns() - begin_work_ns) - stats.untimed_ms;
     if (plan_.mode == Mode::hybrid) learn_costs(plan_, stats, history_.costs);
     history_.last_view = plan_.view;
     history_.last_mode = plan_.mode;

@@ -46,6 +46,7 @@ class Renderer {
     DynamicOverlay dynamic_overlay_;
     farfield::LayerIndex layer_index_;
     effects::LampGrid lamps_;
+    std::vector<DBox3> water_, mirrors_;
     effects::SceneFacts facts_;
     Tools tools_;
     int width_, height_;

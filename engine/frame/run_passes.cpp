@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <glm/geometric.hpp>
 
 #include "engine/core/check.h"
 #include "engine/core/log.h"
@@ -96,6 +97,29 @@ void take_out_shaded(const FramePlan& plan, const scene::StaticScene& scene,
     }
 }
 
+bool has_mirrors(const FramePlan& plan) {
+    return plan.effects.is_active(effects::EffectId::water) || plan.effects.is_active(effects::EffectId::reflections);
+}
+
+/// Takes pixels of mirrors out of a mask of finished colours: waves move, and what is mirrored may.
+void take_out_mirrors(const scene::StaticScene& scene, std::span<const scene::Instance> dynamic,
+                      const farfield::VisibilityBuffer& visibility, PixelMask& coloured) {
+    effects::MirrorTest is_mirror(scene, dynamic);
+    for (std::size_t t = 0; t < coloured.tiles.size(); ++t) {
+        const int x0 = int(t % std::size_t(coloured.tiles_x)) * kTileSize;
+        const int y0 = int(t / std::size_t(coloured.tiles_x)) * kTileSize;
+        for (int row = 0; row < kTileSize; ++row) {
+            unsigned bits = coloured.tiles[t].rows[row];
+            const std::size_t first = visibility.index(x0, y0 + row);
+            for (unsigned left = bits; left != 0; left &= left - 1) {
+                const auto i = std::size_t(std::countr_zero(left));
+                if (is_mirror(visibility.instance[first + i], visibility.triangle[first + i])) bits &= ~(1u << i);
+            }
+            coloured.tiles[t].rows[row] = std::uint16_t(bits);
+        }
+    }
+}
+
 /// OpenGL ran out of something in the middle of a frame: the frame goes on without it.
 void report(const Status& status) {
     if (!status) log_warning("near field: {}", status.error().message);
@@ -161,6 +185,7 @@ void blend_layers(const FramePlan& plan, const Tools& tools, FrameHistory& histo
         shade_settings(plan, tools, plan.view, nullptr, history, stats), sun, history.layers, image);
     stats.layers = counts.shaded;
     stats.sun_rays += counts.sun_rays;
+    stats.work(effects::EffectId::sun_shadows).rays += counts.sun_rays;
 }
 
 bool falls(const FramePlan& plan) {
@@ -179,6 +204,12 @@ void draw_fall(const FramePlan& plan, const Tools& tools, FrameHistory& history,
     effects::draw_fall(plan.fall, plan.view, history.visibility, *history.shelter, image);
 }
 
+/// Whether texels lit by one sun may be shown under another until they are lit anew: light differs by a few percent.
+bool is_near(const Vec3& a, const Vec3& b) {
+    constexpr float kWithin = 0.0262f;  // radians: 1.5 degrees
+    return glm::dot(a - b, a - b) <= kWithin * kWithin;
+}
+
 /// The map for frames like this one, told where the viewer stands.
 void begin_panorama(const FramePlan& plan, FrameHistory& history) {
     if (!history.panorama) {
@@ -194,27 +225,21 @@ void begin_panorama(const FramePlan& plan, FrameHistory& history) {
     const scene::Environment& light = plan.environment;
     const PanoramaLook look{.blend_within_m = plan.view.blend_within_m,
                             .sun_shadows = plan.sun_shadows,
-                            .to_sun = light.to_sun,
-                            .sun_radiance = light.sun_radiance,
-                            .sky_horizon = light.sky_horizon,
                             .fog_density_per_m = light.fog_density_per_m,
                             .lamps_within_m = plan.lamps_within_m,
+                            .atmosphere = light.atmosphere,
                             .weather = light.weather};
-    if (history.panorama_look != look) history.panorama->clear();
+    if (history.panorama_look != look || !is_near(history.panorama_light.oldest_sun, light.to_sun)) {
+        history.panorama->clear();
+        history.panorama_light = {.oldest_sun = light.to_sun, .started_sun = light.to_sun};
+    }
     history.panorama_look = look;
     history.panorama->begin_frame(plan.view.position);
 }
 
-/// Casts the texels that the wanted pixels lack.
-/// @return rays that it took, at most limits.ray_budget
-std::uint64_t fill_panorama(const FramePlan& plan, const Tools& tools, const farfield::PanoramaLimits& limits,
-                            FrameHistory& history, FrameStats& stats) {
+/// Casts and shades the texels that were chosen.
+void fill_chosen(const FramePlan& plan, const Tools& tools, FrameHistory& history, FrameStats& stats) {
     farfield::Panorama& panorama = *history.panorama;
-    std::uint64_t chosen = 0;
-    {
-        const TimedPass timed(stats, Pass::panorama);
-        chosen = panorama.plan_fill(plan.view, history.wanted, limits);
-    }
     for (int face = 0; face < 6; ++face) {
         const auto texels = panorama.fill_requests(face);
         if (texels.empty()) continue;
@@ -236,7 +261,42 @@ std::uint64_t fill_panorama(const FramePlan& plan, const Tools& tools, const far
         const TimedPass timed(stats, Pass::store);
         panorama.commit_fill(face, history.panorama_colors.pixels, history.panorama_colors.stride);
     }
+}
+
+/// Casts the texels that the wanted pixels lack.
+/// @return rays that it took, at most limits.ray_budget
+std::uint64_t fill_panorama(const FramePlan& plan, const Tools& tools, const farfield::PanoramaLimits& limits,
+                            FrameHistory& history, FrameStats& stats) {
+    std::uint64_t chosen = 0;
+    {
+        const TimedPass timed(stats, Pass::panorama);
+        chosen = history.panorama->plan_fill(plan.view, history.wanted, limits);
+    }
+    fill_chosen(plan, tools, history, stats);
     return chosen;
+}
+
+/// Lights texels anew, a part of the map a frame, while they show another sun than this frame's: a sun that moves on
+/// and on costs every frame as much, and none all of the map.
+void relight_panorama(const FramePlan& plan, const Tools& tools, FrameHistory& history, FrameStats& stats) {
+    constexpr std::uint64_t kFrames = 24;  // in which as many texels as a view has are lit
+    PanoramaLight& light = history.panorama_light;
+    const Vec3& sun = plan.environment.to_sun;
+    if (!light.is_round) {
+        if (light.oldest_sun == sun) return;
+        light = {.oldest_sun = light.oldest_sun, .started_sun = sun, .next = 0, .is_round = true};
+    }
+    const std::uint64_t texels = 2 * std::uint64_t(plan.view.width) * std::uint64_t(plan.view.height) / kFrames;
+    bool is_complete = false;
+    {
+        const TimedPass timed(stats, Pass::panorama);
+        constexpr std::uint64_t kTile = std::uint64_t(kTileSize) * std::uint64_t(kTileSize);
+        is_complete = history.panorama->plan_refresh(std::max(texels, kTile), light.next);
+    }
+    fill_chosen(plan, tools, history, stats);
+    if (!is_complete) return;
+    light.oldest_sun = light.started_sun;
+    light.is_round = false;
 }
 
 /// Answers from the map what it can; the rest is left in history.requests.
@@ -245,7 +305,7 @@ void look_up_panorama(const FramePlan& plan, const Tools& tools, const farfield:
     farfield::Panorama& panorama = *history.panorama;
     const TimedPass timed(stats, Pass::panorama);
     // Depths are fetched only where something may stand before the texels, names where its shadow may fall on them.
-    const bool wants_ids = plan.keep_ids || (plan.sun_shadows && !plan.dynamic.empty());
+    const bool wants_ids = plan.keep_ids || (plan.sun_shadows && !plan.dynamic.empty()) || has_mirrors(plan);
     const bool wants_depths =
         wants_ids || !plan.dynamic.empty() || plan.effects.is_active(effects::EffectId::transparency);
     const farfield::PanoramaTarget target{.visibility = wants_depths ? &history.visibility : nullptr,
@@ -318,6 +378,7 @@ void draw_surfaces(const FramePlan& plan, const Tools& tools, FrameHistory& hist
         const TimedPass timed(stats, Pass::panorama);
         begin_panorama(plan, history);
     }
+    if (plan.look_up_panorama || plan.fill_panorama) relight_panorama(plan, tools, history, stats);
     farfield::PanoramaLimits limits{
         .max_parallax_px = plan.max_parallax_px, .edges = plan.panorama_edges, .ray_budget = plan.ray_budget};
     history.panorama_is_full = false;
@@ -368,17 +429,19 @@ void draw_surfaces(const FramePlan& plan, const Tools& tools, FrameHistory& hist
             bound_moving(plan.dynamic, history.moving);
             take_out_shaded(plan, tools.scene, history.moving, history.all_tiles, visibility, coloured);
         }
+        if (has_mirrors(plan)) take_out_mirrors(tools.scene, plan.dynamic, visibility, coloured);
         const PixelMask* const done[] = {&coloured};
         collect_requests(history.all_tiles, done, history.to_shade);
     }
     const std::uint8_t* const sun_seen =
         find_sun(plan, tools.scene, visibility, history.to_shade,
                  plan.look_up_panorama ? history.panorama.get() : nullptr, history.sun, stats);
+    const shading::Reflections* const reflections = find_reflections(plan, tools, history, stats);
     {
         const TimedPass timed(stats, Pass::shade);
         stats.shaded_pixels +=
             shading::shade_tiles(tools.scene, plan.dynamic, plan.view, visibility, history.to_shade,
-                                 shade_settings(plan, tools, plan.view, sun_seen, history, stats), image);
+                                 shade_settings(plan, tools, plan.view, sun_seen, history, stats, reflections), image);
     }
     if (plan.store_panorama) {
         const TimedPass timed(stats, Pass::store);

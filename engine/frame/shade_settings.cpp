@@ -14,16 +14,21 @@ constexpr float kCoverPerSnow = 2.0f;
 }  // namespace
 
 shading::ShadeSettings shade_settings(const FramePlan& plan, const Tools& tools, const PinholeView& view,
-                                      const std::uint8_t* sun_seen, FrameHistory& history, FrameStats& stats) {
+                                      const std::uint8_t* sun_seen, FrameHistory& history, FrameStats& stats,
+                                      const shading::Reflections* reflections) {
     history.lamps.clear();
     if (plan.lamps_within_m > 0.0f) {
         const TimedEffect timed(stats, effects::EffectId::lamps);
         tools.facts.lamps->find_lit(view, plan.sun_elevation_deg, plan.lamps_within_m, history.lamps);
     }
     const scene::Weather& weather = plan.environment.weather;
+    const bool has_waves = plan.effects.is_active(effects::EffectId::water);
+    if (has_waves) history.waves = shading::make_waves(view.position, weather, plan.fall.time_s);
     return {.prelit_beyond_m = plan.prelit_beyond_m,
             .sun_seen = sun_seen,
             .lamps = history.lamps,
+            .waves = has_waves ? &history.waves : nullptr,
+            .reflections = reflections,
             .wet = std::min(1.0f, kWetPerRain * weather.rain),
             .snow_cover = std::min(1.0f, kCoverPerSnow * weather.snow)};
 }

@@ -7,6 +7,7 @@
 
 #include "engine/effects/effect.h"
 #include "engine/farfield/reproject.h"
+#include "engine/frame/span_log.h"
 
 namespace ff::frame {
 
@@ -21,6 +22,7 @@ enum class Pass : std::uint8_t {
     verify,
     cast,
     sun,
+    reflect,
     shade,
     store,
     blend,
@@ -28,10 +30,10 @@ enum class Pass : std::uint8_t {
     upscale,
     present
 };
-inline constexpr std::size_t kPassCount = 15;
+inline constexpr std::size_t kPassCount = 16;
 inline constexpr std::array<std::string_view, kPassCount> kPassNames{
-    "plan", "near",  "opacity", "horizon", "panorama", "reproject", "verify", "cast",
-    "sun",  "shade", "store",   "blend",   "fall",     "upscale",   "present"};
+    "plan", "near",    "opacity", "horizon", "panorama", "reproject", "verify",  "cast",
+    "sun",  "reflect", "shade",   "store",   "blend",    "fall",      "upscale", "present"};
 
 /// Pixels by how they came to be (P0 Figure 11); they add up to the image as it was drawn.
 struct PixelCounts {
@@ -70,6 +72,7 @@ struct FrameStats {
     double resolution = 1.0;       ///< pixels drawn by pixels shown, along a side; below 1 where time was short
     float parallax_p99_px = 0.0f;  ///< predicted, of reused panorama texels
     float parallax_max_px = 0.0f;
+    SpanLog log;  ///< when all this was done
 
     /// Time that went into finding what each pixel sees, and into colouring it (P3 7.2 tells them apart).
     [[nodiscard]] double visibility_ms() const {
@@ -77,8 +80,8 @@ struct FrameStats {
                ms(Pass::verify) + ms(Pass::cast);
     }
     [[nodiscard]] double shading_ms() const {
-        return ms(Pass::sun) + ms(Pass::shade) + ms(Pass::store) + ms(Pass::blend) + ms(Pass::fall) +
-               ms(Pass::upscale) + ms(Pass::present);
+        return ms(Pass::sun) + ms(Pass::reflect) + ms(Pass::shade) + ms(Pass::store) + ms(Pass::blend) +
+               ms(Pass::fall) + ms(Pass::upscale) + ms(Pass::present);
     }
 
     [[nodiscard]] effects::Work& work(effects::EffectId id) { return effect_work[std::size_t(id)]; }

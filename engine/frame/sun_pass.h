@@ -45,6 +45,14 @@ const std::uint8_t* find_sun_of_panorama(const FramePlan& plan, const scene::Sta
                                          farfield::Panorama& panorama, std::unique_ptr<SunLight>& sun,
                                          FrameStats& stats);
 
+/// Likewise for what a mirror shows, of which nothing is known either.
+/// @param view  of the eye's image behind the mirror
+/// @param seen  room for visibility
+const std::uint8_t* find_sun_in_mirror(const FramePlan& plan, const scene::StaticScene& scene, const PinholeView& view,
+                                       const farfield::VisibilityBuffer& visibility,
+                                       std::span<const farfield::TileRequest> tiles, ZeroPageVector<std::uint8_t>& seen,
+                                       std::unique_ptr<SunLight>& sun, FrameStats& stats);
+
 /// Makes ready for the sun rays of transparent layers; nullptr where the plan has no sun shadows.
 const farfield::SunRays* begin_sun_of_layers(const FramePlan& plan, const scene::StaticScene& scene,
                                              std::unique_ptr<SunLight>& sun);

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "engine/core/check.h"
+#include "engine/gl/upload_count.h"
 
 namespace ff::gl {
 
@@ -37,6 +38,7 @@ Result<Buffer> Buffer::make(std::uint64_t bytes) {
 
 void Buffer::write(std::uint64_t offset, std::span<const std::byte> bytes) {
     FF_CHECK(offset + bytes.size() <= bytes_, "{} bytes at {} of a buffer of {}", bytes.size(), offset, bytes_);
+    detail::count_upload(bytes.size());
     // In pieces: some drivers stage the whole of a call in system memory.
     constexpr std::size_t kPiece = 16u << 20;
     for (std::size_t done = 0; done < bytes.size(); done += kPiece) {
@@ -73,6 +75,7 @@ void StreamBuffer::wait(GLsync& fence) {
 }
 
 std::span<std::byte> StreamBuffer::begin(std::uint64_t bytes) {
+    detail::count_upload(bytes);
     if (bytes > segment_bytes_ || mapped_ == nullptr) {
         for (GLsync& fence : fences_) wait(fence);
         // Twice what is asked, so that a slowly growing view does not make a buffer every frame.

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "engine/gl/upload_count.h"
+
 namespace ff::gl {
 
 void detail::delete_texture(GLuint id) {
@@ -32,6 +34,7 @@ Result<Texture> Texture::make(GLenum internal_format, int width, int height, int
 }
 
 void Texture::write_level(int level, GLenum format, GLenum type, std::span<const std::byte> texels) {
+    detail::count_upload(texels.size());
     glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
     glTextureSubImage2D(id(), level, 0, 0, std::max(1, width_ >> level), std::max(1, height_ >> level), format, type,
                         texels.data());

@@ -37,21 +37,36 @@ enum MaterialFlags : std::uint32_t {
     kMaterialDoubleSided = 1u << 3,  ///< else back faces are still hit, but shaded with the flipped normal
     kMaterialSpecular = 1u << 4,     ///< rough or metallic enough that a highlight shows; else diffuse only
     kMaterialWater = 1u << 5,        ///< open water: waves, and mirrors what is around it
+    kMaterialMirror = 1u << 6,       ///< smooth enough to mirror what is around it
 };
 
 inline constexpr std::uint32_t kNoTexture = 0xFFFFFFFFu;
 
 struct Material {
-    Vec4 base_color{1.0f};  ///< linear, times texture, times vertex colour
-    Vec3 emissive{0.0f};    ///< linear, times texture
-    float alpha_cutoff = 0.5f;
-    float metallic = 0.0f;   ///< [0, 1]
-    float roughness = 1.0f;  ///< [0, 1]
+    Vec4 base_color{1.0f};      ///< linear, times texture, times vertex colour
+    Vec3 emissive{0.0f};        ///< linear, times texture
+    float alpha_cutoff = 0.5f;  ///< of water, which is opaque: height of its waves in a breeze, metres
+    float metallic = 0.0f;      ///< [0, 1]; water: 0
+    float roughness = 1.0f;     ///< [0, 1]
     std::uint32_t base_color_texture = kNoTexture;
     std::uint32_t emissive_texture = kNoTexture;
     std::uint32_t metallic_roughness_texture = kNoTexture;
     std::uint32_t flags = 0;
+
+    /// Water: slopes of its waves, as shares of those of waves a tenth of a metre high.
+    [[nodiscard]] float wave_strength() const { return 10.0f * alpha_cutoff; }
 };
+
+/// Whether it shows what is around it.
+[[nodiscard]] inline bool is_mirror(const Material& material) {
+    return (material.flags & kMaterialSpecular) != 0 && (material.flags & (kMaterialWater | kMaterialMirror)) != 0;
+}
+/// Whether a cooker should make it kMaterialMirror: glass, polished metal.
+[[nodiscard]] inline bool is_smooth(const Material& material) {
+    constexpr float kRoughness = 0.2f;
+    return (material.flags & kMaterialSpecular) != 0 && (material.flags & kMaterialBlend) == 0 &&
+           material.metallic_roughness_texture == kNoTexture && material.roughness <= kRoughness;
+}
 
 enum class Wrap : std::uint8_t { repeat, clamp, mirror };
 

@@ -116,17 +116,21 @@ vec3 shown_air(vec3 light) {
     return 1.0 - exp(-light);
 }
 
-// direction: unit.
-vec3 atmosphere_sky(vec3 direction) {
+// The sky without the sun's disc. direction: unit.
+vec3 atmosphere_light(vec3 direction) {
     float at = sqrt(clamp(direction.y, 0.0, 1.0)) * float(kSkyRows - 1);
     int below = min(int(at), kSkyRows - 2);
     vec3 sky = shown_air(light_of_rows(below, below + 1, at - float(below), direction) + shading.night.rgb);
     float down = min(max(-direction.y, 0.0) * kHazeRate, 1.0);
-    sky = mix(sky, shading.haze.rgb, down * (2.0 - down));
+    return mix(sky, shading.haze.rgb, down * (2.0 - down));
+}
+
+// direction: unit.
+vec3 atmosphere_sky(vec3 direction) {
     float cosine = dot(direction, shading.to_sun.xyz);
     float disc = clamp((cosine - kSunDiscEdge) / (kSunDiscFull - kSunDiscEdge), 0.0, 1.0);
     float sun = kSunDisc * disc * disc * clamp(1.0 + direction.y * kHazeRate, 0.0, 1.0);
-    return sky + sun * shading.sun_radiance.rgb;
+    return atmosphere_light(direction) + sun * shading.sun_radiance.rgb;
 }
 
 // Mean of exp(-x) from 0 to x: density along a ray that climbs x scale heights, over that where it starts.
@@ -179,8 +183,10 @@ vec3 specular_surface(vec3 normal, vec3 to_eye, vec3 color, float metallic, floa
     vec3 lit = (1.0 - metal) * color * diffuse_light(normal.y, sun_cosine);
     lit += lobe * fresnel * shading.sun_radiance.rgb;
 
-    float mirrored_y = 2.0 * n_v * normal.y - to_eye.y;
-    vec3 mirrored = mix(sky_gradient(mirrored_y), diffuse_light(mirrored_y, 0.0), rough);
+    vec3 mirrored_way = 2.0 * n_v * normal - to_eye;
+    float mirrored_y = mirrored_way.y;
+    vec3 sharp = shading.panorama_size.z > 0.0 ? atmosphere_light(mirrored_way) : sky_gradient(mirrored_y);
+    vec3 mirrored = mix(sharp, diffuse_light(mirrored_y, 0.0), rough);
     float r0 = 1.0 - rough;
     float a004 = min(r0 * r0, exp2(-9.28 * n_v)) * r0 + (0.0425 - 0.0275 * rough);
     vec2 fit = vec2(-1.04, 1.04) * a004 + vec2(1.04 - 0.572 * rough, 0.022 * rough - 0.04);

@@ -100,7 +100,11 @@ void load_raw_block(const ShadeFrame& frame, const TriangleName* names, int coun
             if (!unlit && (material.flags & scene::kMaterialSpecular)) {
                 const TextureRows map = texture_rows(scene, material.metallic_roughness_texture);
                 bits |= kLaneSpecular | kLanePixelLit | map.wraps;
-                record[kQuadSpecular] = material.metallic;
+                const bool is_water = (material.flags & scene::kMaterialWater) != 0;
+                if (frame.settings.waves != nullptr && is_water) bits |= kLaneWater;
+                if (frame.settings.reflections != nullptr && is_mirror(material))
+                    bits |= is_water ? kLaneMirror : kLaneMirror | kLaneFades;
+                record[kQuadSpecular] = bits & kLaneWater ? material.wave_strength() : material.metallic;
                 record[kQuadSpecular + 1] = material.roughness;
                 record[kQuadSpecular + 2] = std::bit_cast<float>(map.info);
                 record[kQuadSpecular + 3] = std::bit_cast<float>(map.first_texel);

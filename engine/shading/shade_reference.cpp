@@ -9,6 +9,7 @@
 #include <glm/matrix.hpp>
 
 #include "engine/scene/scene_data.h"
+#include "engine/shading/reflections.h"
 #include "engine/shading/shading_model.h"
 
 namespace ff::shading {
@@ -158,15 +159,20 @@ DVec3 light_of_rows(const ShadingUniforms& uniforms, const scene::SkyTable::Row&
                std::pow(double(kHazeSquare) - double(kHazeTwice) * m, -1.5);
 }
 
-/// @param d  unit
-DVec3 atmosphere_sky(const ShadingUniforms& uniforms, const DVec3& d) {
+/// Without the sun's disc. @param d  unit
+DVec3 atmosphere_light(const ShadingUniforms& uniforms, const DVec3& d) {
     const double at = std::sqrt(clamp01(d.y)) * (scene::SkyTable::kRows - 1);
     const int i = std::min(int(at), scene::SkyTable::kRows - 2);
     const DVec3 sky = shown_air(light_of_rows(uniforms, uniforms.sky_rows[i], uniforms.sky_rows[i + 1], at - i, d) +
                                 DVec3(uniforms.night));
     const double down = std::min(std::max(-d.y, 0.0) * kHazeRate, 1.0);
+    return glm::mix(sky, DVec3(uniforms.haze), down * (2.0 - down));
+}
+
+/// @param d  unit
+DVec3 atmosphere_sky(const ShadingUniforms& uniforms, const DVec3& d) {
     const double disc = clamp01((glm::dot(d, DVec3(uniforms.to_sun)) - kSunDiscEdge) / (kSunDiscFull - kSunDiscEdge));
-    return glm::mix(sky, DVec3(uniforms.haze), down * (2.0 - down)) +
+    return atmosphere_light(uniforms, d) +
            kSunDisc * disc * disc * clamp01(1.0 + d.y * kHazeRate) * DVec3(uniforms.sun_radiance);
 }
 
@@ -206,9 +212,16 @@ DVec3 sky_color(const ShadingUniforms& uniforms, const scene::Environment& envir
     return sky_gradient(uniforms, d.y) + sun * clamp01(1.0 + d.y * kHazeRate) * DVec3(uniforms.sun_radiance);
 }
 
+/// Light from the world in a mirror, and its share of what that shows.
+struct Reflected {
+    DVec3 color{0.0};
+    double share = 0.0;
+};
+
 /// See specular_surface in shading_kernel.cpp for the sources.
 DVec3 specular_surface(const ShadingUniforms& uniforms, const DVec3& n, const DVec3& to_eye, const DVec3& color,
-                       double metallic, double roughness, double sun_seen, const DVec3& lamps) {
+                       double metallic, double roughness, double sun_seen, const DVec3& lamps, bool has_waves = false,
+                       const Reflected& reflected = {}) {
     const DVec3 sun(uniforms.to_sun);
     const double n_l = std::max(glm::dot(n, sun), 0.0), n_v = std::max(glm::dot(n, to_eye), 1e-4);
     const DVec3 half = glm::normalize(sun + to_eye);
@@ -225,10 +238,14 @@ DVec3 specular_surface(const ShadingUniforms& uniforms, const DVec3& n, const DV
     const DVec3 lit = (1.0 - metallic) * color * (diffuse_light(uniforms, n, sun_seen) + lamps) +
                       sun_seen * lobe * fresnel * DVec3(uniforms.sun_radiance);
 
-    const double mirrored_y = 2.0 * n_v * n.y - to_eye.y;
+    DVec3 mirrored_way = 2.0 * n_v * n - to_eye;
+    if (has_waves) mirrored_way.y = std::abs(mirrored_way.y);
+    const double mirrored_y = mirrored_way.y;
     const DVec3 blurred = DVec3(uniforms.ambient_side) + mirrored_y * DVec3(uniforms.ambient_slope) +
                           mirrored_y * mirrored_y * DVec3(uniforms.ambient_curve);
-    const DVec3 mirrored = glm::mix(sky_gradient(uniforms, mirrored_y), blurred, rough);
+    const DVec3 sky =
+        uniforms.panorama_size.z > 0.0f ? atmosphere_light(uniforms, mirrored_way) : sky_gradient(uniforms, mirrored_y);
+    const DVec3 mirrored = glm::mix(glm::mix(sky, reflected.color, reflected.share), blurred, rough);
     const double r0 = 1.0 - rough, r1 = 0.0425 - 0.0275 * rough, r2 = 1.04 - 0.572 * rough, r3 = 0.022 * rough - 0.04;
     const double a004 = std::min(r0 * r0, std::exp2(-9.28 * n_v)) * r0 + r1;
     return lit + mirrored * (f0 * (r2 - 1.04 * a004) + DVec3(1.04 * a004 + r3));
@@ -246,6 +263,74 @@ DVec3 lamp_light(std::span<const LampLight> lamps, const DVec3& at, const DVec3&
     return sum;
 }
 
+/// Slopes of waves along x and z, and the variance of those that a pixel is too wide to see.
+DVec3 wave_slopes(const Waves& waves, const DVec3& at, double pixel_m) {
+    DVec3 sum(0.0);
+    for (const Wave& wave : waves) {
+        const double seen = clamp01(2.0 - pixel_m * 2.0 / double(kWaveGone * wave.length_m));
+        const double slope = double(wave.slope) * seen * std::cos(wave.x * at.x + wave.z * at.z + wave.phase) *
+                             wave.length_m / (2.0 * kPi);
+        sum += DVec3(slope * wave.x, slope * wave.z, 0.5 * double(wave.slope * wave.slope) * (1.0 - seen * seen));
+    }
+    return sum;
+}
+
+/// The four pixels around a point of the image, of those that are known.
+struct ReflectionSample {
+    Reflected light;
+    bool is_known = false;
+};
+ReflectionSample sample_reflections(const Reflections& reflections, double x, double y) {
+    const Image& image = reflections.image;
+    x = std::clamp(x, 0.0, image.width - 1.001);
+    y = std::clamp(y, 0.0, image.height - 1.001);
+    const int left = int(x), top = int(y);
+    double known = 0.0, surface = 0.0;
+    DVec3 sum(0.0);
+    for (int k = 0; k < 4; ++k) {
+        const double weight = (k % 2 ? x - left : 1.0 - (x - left)) * (k / 2 ? y - top : 1.0 - (y - top));
+        const std::uint32_t pixel =
+            image.pixels[std::size_t(top + k / 2) * std::size_t(image.stride) + std::size_t(left + k % 2)];
+        if ((pixel >> 24) > kReflectsUnknown) known += weight;
+        if ((pixel >> 24) <= kReflectsSky) continue;
+        surface += weight;
+        sum += weight * unpack(pixel);
+    }
+    return {{linear_of(sum / std::max(surface, 1e-6)), surface / std::max(known, 1e-6)}, known > 0.2};
+}
+
+/// See find_reflected in simd_reflection-inl.h.
+Reflected find_reflected(const Reflections& reflections, const PinholeView& view, const DVec3& direction,
+                         const DVec3& flat, const DVec3& bent, double f0, double depth, bool fades) {
+    const DVec3 to_eye = -glm::normalize(direction);
+    double share = reflection_share(float(clamp01(glm::dot(flat, to_eye))), float(f0));
+    if (fades) share *= clamp01(2.0 - 2.0 * depth / reflections.within_m);
+    if (!(share > 0.0)) return {};
+    const DMat3 axes(view.world_from_camera);
+    const auto place_of = [&](const DVec3& way, double least_ahead) {
+        const double ahead = std::max(-glm::dot(way, axes[2]), least_ahead);
+        return DVec2((glm::dot(way, axes[0]) / ahead - view.u_first) / (double(view.u_step) * reflections.step) - 0.5,
+                     (glm::dot(way, axes[1]) / ahead - view.v_first) / (double(view.v_step) * reflections.step) - 0.5);
+    };
+    const DVec2 at = place_of(direction, 0.0);
+    ReflectionSample sample = sample_reflections(reflections, at.x, at.y);
+    if (flat != bent) {
+        const DVec3 way = 2.0 * glm::dot(bent, to_eye) * bent - to_eye;
+        const DVec3 seen = way - 2.0 * glm::dot(flat, way) * flat;
+        const auto nearest = [](double x, int size) { return std::size_t(std::clamp(x + 0.5, 0.0, size - 1.0)); };
+        const double way_m =
+            reflections.depth[nearest(at.y, reflections.image.height) * std::size_t(reflections.image.stride) +
+                              nearest(at.x, reflections.image.width)];
+        const double far = sample.is_known ? clamp01(1.0 - depth / std::max(way_m, depth)) : 0.0;
+        const DVec2 moved = at + far * (place_of(seen, 0.05) - at);
+        const ReflectionSample there = sample_reflections(reflections, moved.x, moved.y);
+        if (there.is_known) sample = there;
+    }
+    if (!sample.is_known) return {};
+    sample.light.share *= share;
+    return sample.light;
+}
+
 /// How much of a layer that falls from the sky lies on surfaces of a normal's height.
 double lies_on(double normal_y, double amount, double from, double full) {
     return amount * clamp01((normal_y - from) / (full - from));
@@ -253,8 +338,9 @@ double lies_on(double normal_y, double amount, double from, double full) {
 
 /// Linear, before fog.
 DVec3 surface_color(const StaticScene& scene, const ShadingUniforms& uniforms, const SeenTriangle& seen,
-                    const DVec3& direction, double depth, double pixel_angle, double sun_seen,
+                    const PinholeView& view, const DVec3& direction, double depth, double sun_seen,
                     const ShadeSettings& settings) {
+    const double pixel_angle = view.pixel_angle();
     const scene::Material& material = *seen.material;
     const auto interpolated = [&](const auto& at0, const auto& at1, const auto& at2) {
         return at0 + seen.b1 * (at1 - at0) + seen.b2 * (at2 - at0);
@@ -275,8 +361,19 @@ DVec3 surface_color(const StaticScene& scene, const ShadingUniforms& uniforms, c
     const DVec3 facing = seen.plane < 0.0 ? seen.unit_normal : -seen.unit_normal;
     if (glm::dot(normal, facing) < 0.0) normal = -normal;
     normal /= std::max(glm::length(normal), 1e-30);
-    color = glm::mix(color, DVec3(kSnowAlbedo), lies_on(normal.y, settings.snow_cover, kSnowFrom, kSnowFull));
-    const double wetness = lies_on(normal.y, settings.wet, kWetFrom, kWetFull);
+    const bool has_waves = settings.waves != nullptr && (material.flags & scene::kMaterialSpecular) != 0 &&
+                           (material.flags & scene::kMaterialWater) != 0;
+    double unseen = 0.0;
+    const DVec3 flat = normal;
+    if (has_waves) {
+        const DVec3 slopes = wave_slopes(*settings.waves, depth * direction, kWaterStretch * depth * pixel_angle);
+        const double strength = material.wave_strength();
+        normal = glm::normalize(normal - strength * DVec3(slopes.x, 0.0, slopes.y));
+        unseen = strength * strength * slopes.z;
+    }
+    const double on_land = has_waves ? 0.0 : 1.0;
+    color = glm::mix(color, DVec3(kSnowAlbedo), on_land * lies_on(normal.y, settings.snow_cover, kSnowFrom, kSnowFull));
+    const double wetness = on_land * lies_on(normal.y, settings.wet, kWetFrom, kWetFull);
     color *= 1.0 - kWetDarkens * wetness;
     const DVec3 lamps = lamp_light(settings.lamps, depth * direction, normal), to_eye = -glm::normalize(direction);
     if (!(material.flags & scene::kMaterialSpecular)) {
@@ -289,7 +386,15 @@ DVec3 surface_color(const StaticScene& scene, const ShadingUniforms& uniforms, c
         const DVec3 map = sample(scene, scene.textures[material.metallic_roughness_texture], uv, footprint);
         rough_metal *= DVec2(map.y, map.z);
     }
-    return soft_clip(specular_surface(uniforms, normal, to_eye, color, rough_metal.y, rough_metal.x, sun_seen, lamps) +
+    if (has_waves) rough_metal = {std::pow(std::pow(rough_metal.x, 4.0) + 2.0 * unseen, 0.25), 0.0};
+    Reflected reflected;
+    if (settings.reflections != nullptr && is_mirror(material)) {
+        const double f0 = glm::mix(double(kDielectric), std::max({color.x, color.y, color.z}), rough_metal.y);
+        const bool fades = (material.flags & scene::kMaterialWater) == 0;
+        reflected = find_reflected(*settings.reflections, view, direction, flat, normal, f0, depth, fades);
+    }
+    return soft_clip(specular_surface(uniforms, normal, to_eye, color, rough_metal.y, rough_metal.x, sun_seen, lamps,
+                                      has_waves, reflected) +
                      emissive);
 }
 
@@ -339,7 +444,7 @@ Vec3 shade_reference(const StaticScene& scene, std::span<const scene::Instance> 
             settings.sun_seen == nullptr ? 1.0 : settings.sun_seen[std::size_t(y) * stride + std::size_t(x)] / 255.0;
         color = depth > settings.prelit_beyond_m
                     ? prelit_color(scene, uniforms, seen, sun_seen)
-                    : surface_color(scene, uniforms, seen, direction, depth, view.pixel_angle(), sun_seen, settings);
+                    : surface_color(scene, uniforms, seen, view, direction, depth, sun_seen, settings);
         const double distance_m = depth * glm::length(direction);
         color = uniforms.panorama_size.z > 0.0f
                     ? behind_air(uniforms, color, distance_m, glm::normalize(direction))

@@ -14,6 +14,7 @@
 #include "engine/shading/lamp_light.h"
 #include "engine/shading/shading_kernel.h"
 #include "engine/shading/simd_color-inl.h"
+#include "engine/shading/simd_reflection-inl.h"
 #include "engine/shading/simd_sky-inl.h"
 #include "engine/shading/simd_texture-inl.h"
 #include "engine/shading/tile_collect-inl.h"
@@ -98,8 +99,10 @@ struct Surface {
     V3 to_eye;  ///< unit
     Rgb color;  ///< linear
     VF metallic, roughness;
-    Rgb sun;    ///< radiance that arrives
-    Rgb lamps;  ///< light of lamps on a white surface
+    Rgb sun;              ///< radiance that arrives
+    Rgb lamps;            ///< light of lamps on a white surface
+    MF has_waves;         ///< what a wave would mirror below the horizon are waves that mirror the sky
+    Reflected reflected;  ///< of the world
 };
 
 /// Light that leaves a metallic-roughness surface. Sun: GGX, Smith height-correlated, Schlick. Sky: the mirrored
@@ -137,8 +140,11 @@ HWY_INLINE Rgb specular_surface(const ShadingUniforms& uniforms, const Surface& 
     out = multiply_add(lobe, multiply(fresnel, s.sun), out);
 
     // The sky in the mirrored direction, blurred towards the hemisphere's light as roughness grows.
-    const VF mirrored_y = hn::Sub(hn::Mul(hn::Mul(splat(2.0f), n_v), s.normal.y), s.to_eye.y);
-    const Rgb sharp = sky_gradient(uniforms, mirrored_y);
+    const VF twice = hn::Mul(splat(2.0f), n_v);
+    const V3 mirrored_way = sub(scale(twice, s.normal), s.to_eye);
+    const VF mirrored_y = hn::IfThenElse(s.has_waves, hn::Abs(mirrored_way.y), mirrored_way.y);
+    const Rgb sky = mirrored_sky(uniforms, mirrored_way.x, mirrored_y, mirrored_way.z);
+    const Rgb sharp = mix(sky, s.reflected.color, s.reflected.share);
     const Rgb blurred = diffuse_light(uniforms, mirrored_y, hn::Zero(df));
     const Rgb mirrored = mix(sharp, blurred, rough);
     const VF r0 = hn::Sub(one, rough), r1 = hn::MulAdd(rough, splat(-0.0275f), splat(0.0425f));
@@ -178,6 +184,35 @@ HWY_INLINE Rgb lamp_light(const ShadeFrame& frame, const TileLamps& lamps, const
             hn::Div(hn::Max(dot(toward, normal), hn::Zero(df)), hn::Sqrt(hn::Max(distance2, splat(1e-12f))));
         const VF light = hn::Div(hn::Mul(hn::Mul(window, window), cosine), hn::Add(distance2, splat(kLampCore)));
         sum = multiply_add(light, {splat(lamp.strength.x), splat(lamp.strength.y), splat(lamp.strength.z)}, sum);
+    }
+    return sum;
+}
+
+/// Slopes of waves along x and z, and the variance of those that the pixels are too wide to see.
+struct Slopes {
+    VF x, z, unseen;
+};
+
+/// @param at       relative to the viewer
+/// @param pixel_m  how wide the pixels are there
+HWY_INLINE Slopes wave_slopes(const Waves& waves, const V3& at, VF pixel_m) {
+    Slopes sum = {hn::Zero(df), hn::Zero(df), hn::Zero(df)};
+    for (const Wave& wave : waves) {
+        constexpr float kPerRadian = 0.159154943f;
+        const VF turns = hn::Mul(hn::MulAdd(at.x, splat(wave.x), hn::MulAdd(at.z, splat(wave.z), splat(wave.phase))),
+                                 splat(kPerRadian));
+        const VF turn = hn::Sub(turns, hn::Floor(hn::Add(turns, splat(0.5f))));  // [-0.5, 0.5]
+        // cos(2 pi t) = sin(2 pi (1/4 - |t|)), by its series: error below 2e-4.
+        const VF q = hn::Sub(splat(0.25f), hn::Abs(turn)), q2 = hn::Mul(q, q);
+        VF sine = hn::MulAdd(q2, splat(-76.70586f), splat(81.60525f));
+        sine = hn::MulAdd(q2, sine, splat(-41.34170f));
+        sine = hn::Mul(q, hn::MulAdd(q2, sine, splat(6.283185f)));
+        const VF seen = clamp01(hn::NegMulAdd(pixel_m, splat(2.0f / (kWaveGone * wave.length_m)), splat(2.0f)));
+        const VF slope = hn::Mul(hn::Mul(seen, sine), splat(wave.slope * wave.length_m * kPerRadian));
+        sum.x = hn::MulAdd(slope, splat(wave.x), sum.x);
+        sum.z = hn::MulAdd(slope, splat(wave.z), sum.z);
+        sum.unseen =
+            hn::MulAdd(hn::NegMulAdd(seen, seen, splat(1.0f)), splat(0.5f * wave.slope * wave.slope), sum.unseen);
     }
     return sum;
 }
@@ -240,14 +275,29 @@ HWY_INLINE Rgb shade_surface(const ShadeFrame& frame, const Records<kOneTriangle
         V3 n = normalized({interpolated(nx, b1, b2), interpolated(ny, b1, b2), interpolated(nz, b1, b2)});
         const VF turn = hn::And(interpolated({nx.d, ny.d, nz.d, nz.d}, b1, b2), hn::SignBit(df));
         n = {hn::Xor(n.x, turn), hn::Xor(n.y, turn), hn::Xor(n.z, turn)};
-        const VF sun_cosine = dot(n, broadcast(Vec3(uniforms.to_sun)));
+        const V3 flat = n;
+        const MF water = has_bit(info, kLaneWater);
+        VF unseen = hn::Zero(df);
+        if (bits & kLaneWater) {
+            const V3 at = scale(depth, rays.directions(frame.view));
+            const VF pixel_m = hn::Mul(depth, splat(kWaterStretch * frame.view.pixel_angle()));
+            const VF strength = records.quad(kQuadSpecular).a;
+            const Slopes slopes = wave_slopes(*frame.settings.waves, at, pixel_m);
+            const V3 bent =
+                normalized({hn::NegMulAdd(slopes.x, strength, n.x), n.y, hn::NegMulAdd(slopes.z, strength, n.z)});
+            n = {hn::IfThenElse(water, bent.x, n.x), hn::IfThenElse(water, bent.y, n.y),
+                 hn::IfThenElse(water, bent.z, n.z)};
+            unseen = hn::IfThenElseZero(water, hn::Mul(hn::Mul(strength, strength), slopes.unseen));
+        }
         const float snow = frame.settings.snow_cover, wet = frame.settings.wet;
         if (snow > 0.0f) {
             const VF white = splat(kSnowAlbedo);
-            color = mix(color, {white, white, white}, lies_on(n.y, snow, kSnowFrom, kSnowFull));
+            color =
+                mix(color, {white, white, white}, hn::IfThenZeroElse(water, lies_on(n.y, snow, kSnowFrom, kSnowFull)));
         }
-        const VF wetness = wet > 0.0f ? lies_on(n.y, wet, kWetFrom, kWetFull) : hn::Zero(df);
+        const VF wetness = wet > 0.0f ? hn::IfThenZeroElse(water, lies_on(n.y, wet, kWetFrom, kWetFull)) : hn::Zero(df);
         if (wet > 0.0f) color = multiply(hn::NegMulAdd(wetness, splat(kWetDarkens), splat(1.0f)), color);
+        const VF sun_cosine = dot(n, broadcast(Vec3(uniforms.to_sun)));
         Rgb light = diffuse_light(uniforms, n.y, hn::Mul(sun_cosine, sun_seen));
         Rgb from_lamps = {hn::Zero(df), hn::Zero(df), hn::Zero(df)};
         if (lamps.count > 0) {
@@ -262,7 +312,9 @@ HWY_INLINE Rgb shade_surface(const ShadeFrame& frame, const Records<kOneTriangle
                                   .metallic = hn::Zero(df),
                                   .roughness = splat(kWetRoughness),
                                   .sun = multiply(sun_seen, splat(uniforms.sun_radiance)),
-                                  .lamps = from_lamps};
+                                  .lamps = from_lamps,
+                                  .has_waves = hn::Lt(splat(0.0f), splat(-1.0f)),
+                                  .reflected = no_reflection()};
             lit = mix(lit, specular_surface(uniforms, film), wetness);
         }
         if (bits & kLaneSpecular) {
@@ -273,7 +325,7 @@ HWY_INLINE Rgb shade_surface(const ShadeFrame& frame, const Records<kOneTriangle
             surface.sun = multiply(sun_seen, splat(uniforms.sun_radiance));
             surface.lamps = from_lamps;
             const Quad quad_specular = records.quad(kQuadSpecular);
-            surface.metallic = quad_specular.a;
+            surface.metallic = hn::IfThenZeroElse(water, quad_specular.a);
             surface.roughness = quad_specular.b;
             const MF specular = has_bit(info, kLaneSpecular);
             const VI map_info = hn::BitCast(di, quad_specular.c);
@@ -284,6 +336,24 @@ HWY_INLINE Rgb shade_surface(const ShadeFrame& frame, const Records<kOneTriangle
                 const Rgb texel = sample_lanes<kOneTriangle>(frame.scene, map, map_lanes, u, v, footprint, all_repeat);
                 surface.roughness = hn::IfThenElse(mapped, hn::Mul(surface.roughness, texel.g), surface.roughness);
                 surface.metallic = hn::IfThenElse(mapped, hn::Mul(surface.metallic, texel.b), surface.metallic);
+            }
+            surface.has_waves = water;
+            if (bits & kLaneWater) {
+                // Slopes too small to see roughen: alpha^2 grows by twice their variance.
+                const VF rough2 = hn::Mul(surface.roughness, surface.roughness);
+                surface.roughness = hn::Sqrt(hn::Sqrt(hn::MulAdd(rough2, rough2, hn::Add(unseen, unseen))));
+            }
+            surface.reflected = no_reflection();
+            if (bits & kLaneMirror) {
+                const MF mirror = has_bit(info, kLaneMirror);
+                const VF brightest = hn::Max(hn::Max(color.r, color.g), color.b);
+                const VF f0 = hn::MulAdd(surface.metallic, hn::Sub(brightest, splat(kDielectric)), splat(kDielectric));
+                const MF fades = has_bit(info, kLaneFades);
+                surface.reflected =
+                    bits & kLaneWater
+                        ? find_reflected<true>(frame, rays.u, rays.v, surface.to_eye, flat, n, f0, depth, fades)
+                        : find_reflected<false>(frame, rays.u, rays.v, surface.to_eye, flat, n, f0, depth, fades);
+                surface.reflected.share = hn::IfThenElseZero(mirror, surface.reflected.share);
             }
             lit = select(specular, specular_surface(uniforms, surface), lit);
         }

@@ -11,6 +11,7 @@
 #include "engine/math/camera.h"
 #include "engine/scene/static_scene.h"
 #include "engine/shading/lamp_light.h"
+#include "engine/shading/waves.h"
 
 namespace ff::shading {
 
@@ -23,6 +24,8 @@ struct Image {
     void resize(int new_width, int new_height);
 };
 
+struct Reflections;  // reflections.h
+
 struct ShadeSettings {
     /// Beyond this depth a triangle has its one prelit mean colour (P1 4.6) instead of textures. Metres; +inf: never.
     float prelit_beyond_m = std::numeric_limits<float>::infinity();
@@ -30,6 +33,8 @@ struct ShadeSettings {
     const std::uint8_t* sun_seen = nullptr;
     /// Lit lamps, the nearest first. Prelit triangles know none; nor do walls between a lamp and a surface.
     std::span<const LampLight> lamps;
+    const Waves* waves = nullptr;              ///< of open water; nullptr: it is still
+    const Reflections* reflections = nullptr;  ///< nullptr: mirrors show the sky alone
     /// How wet and how snowed over is what faces up, [0, 1]; prelit triangles stay as they are.
     float wet = 0.0f, snow_cover = 0.0f;
 };

@@ -123,11 +123,10 @@ HWY_INLINE Rgb shown_air(const Rgb& light) {
             hn::Sub(one, exp_negative(light.b))};
 }
 
-/// The sky of an atmosphere. x, y, z: unit direction.
-HWY_INLINE Rgb atmosphere_sky(const ShadingUniforms& uniforms, VF x, VF y, VF z) {
+/// The sky of an atmosphere without the sun's disc. y: of the unit direction that `toward` is of.
+HWY_INLINE Rgb atmosphere_light(const ShadingUniforms& uniforms, const TowardSun& toward, VF y) {
     constexpr int kRows = scene::SkyTable::kRows;
     constexpr int kRowFloats = sizeof(scene::SkyTable::Row) / sizeof(float);
-    const TowardSun toward(uniforms, x, y, z);
     const VF at = hn::Mul(hn::Sqrt(clamp01(y)), splat(float(kRows - 1)));
     const VF below = hn::Min(hn::Floor(at), splat(float(kRows - 2)));
     const VF t = hn::Sub(at, below);
@@ -141,7 +140,13 @@ HWY_INLINE Rgb atmosphere_sky(const ShadingUniforms& uniforms, VF x, VF y, VF z)
     Rgb sky = toward.light(mixed(0), mixed(4), mixed(8), mixed(12));
     sky = shown_air(multiply_add(splat(1.0f), splat(uniforms.night), sky));
     const VF down = hn::Min(hn::Mul(hn::Max(hn::Neg(y), hn::Zero(df)), splat(kHazeRate)), splat(1.0f));
-    sky = mix(sky, splat(uniforms.haze), hn::Mul(down, hn::Sub(splat(2.0f), down)));
+    return mix(sky, splat(uniforms.haze), hn::Mul(down, hn::Sub(splat(2.0f), down)));
+}
+
+/// The sky of an atmosphere. x, y, z: unit direction.
+HWY_INLINE Rgb atmosphere_sky(const ShadingUniforms& uniforms, VF x, VF y, VF z) {
+    const TowardSun toward(uniforms, x, y, z);
+    const Rgb sky = atmosphere_light(uniforms, toward, y);
     if (hn::AllFalse(df, hn::Gt(toward.cosine, splat(kSunDiscEdge)))) return sky;
     const VF disc =
         clamp01(hn::Mul(hn::Sub(toward.cosine, splat(kSunDiscEdge)), splat(1.0f / (kSunDiscFull - kSunDiscEdge))));
@@ -175,6 +180,12 @@ HWY_INLINE Rgb behind_air(const ShadingUniforms& uniforms, const Rgb& color, VF 
     const VF r = clear(uniforms.air.x), g = clear(uniforms.air.y), b = clear(uniforms.air.z);
     return {hn::MulAdd(hn::Sub(color.r, air.r), r, air.r), hn::MulAdd(hn::Sub(color.g, air.g), g, air.g),
             hn::MulAdd(hn::Sub(color.b, air.b), b, air.b)};
+}
+
+/// What a mirror shows of the sky, without sun and panorama. x, y, z: unit direction.
+HWY_INLINE Rgb mirrored_sky(const ShadingUniforms& uniforms, VF x, VF y, VF z) {
+    if (uniforms.panorama_size.z > 0.0f) return atmosphere_light(uniforms, TowardSun(uniforms, x, y, z), y);
+    return sky_gradient(uniforms, y);
 }
 
 /// x, y, z: unit direction, world axes.

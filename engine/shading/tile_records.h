@@ -35,7 +35,7 @@ enum Row : int {
     kQuadVertexGreen = 40,  //
     kQuadVertexBlue = 44,   //
     kQuadEmissive = 48,     ///< RGB, and int: its texture's first texel
-    kQuadSpecular = 52,     ///< metallic, roughness, and int: info and first texel of their texture
+    kQuadSpecular = 52,     ///< metallic (of water: strength of waves), roughness, int: info and texel of their texture
     kQuadPrelit = 56,       ///< RGB, lit
     kQuadShade = 60,        ///< kQuadColor's RGB where the sun is hidden; written with ShadeSettings::sun_seen only
     kQuadPrelitShade = 64,  ///< kQuadPrelit's, likewise
@@ -49,7 +49,10 @@ inline constexpr std::int32_t kLanePixelLit = 1 << 14;     ///< light depends on
 inline constexpr std::int32_t kLaneVertexColor = 1 << 15;  ///< colour differs between corners
 inline constexpr std::int32_t kLaneSpecular = 1 << 16;
 inline constexpr std::int32_t kLaneEmissive = 1 << 17;
-inline constexpr std::int32_t kLaneWraps = 1 << 18;  ///< some texture of it clamps or mirrors
+inline constexpr std::int32_t kLaneWraps = 1 << 18;   ///< some texture of it clamps or mirrors
+inline constexpr std::int32_t kLaneWater = 1 << 19;   ///< with waves
+inline constexpr std::int32_t kLaneMirror = 1 << 20;  ///< shows the world
+inline constexpr std::int32_t kLaneFades = 1 << 21;   ///< but only from nearby
 
 /// One triangle as named by the visibility buffer.
 struct TriangleName {

@@ -36,6 +36,7 @@ class EffectCosts : public testing::Test {
             }
         }
         has_sun_light_ = renderer.history().sun != nullptr;
+        has_reflections_ = renderer.history().reflections != nullptr;
         has_shelter_ = renderer.history().shelter != nullptr;
         sky_tables_ = renderer.history().daylight.made();
         last.effect_work = sum;
@@ -50,7 +51,7 @@ class EffectCosts : public testing::Test {
         EXPECT_EQ(stats.work(id).rays, 0u);
     }
 
-    bool has_sun_light_ = false, has_shelter_ = false;
+    bool has_sun_light_ = false, has_shelter_ = false, has_reflections_ = false;
     std::uint64_t sky_tables_ = 0;
 };
 
@@ -60,6 +61,7 @@ TEST_F(EffectCosts, a_plain_scene_pays_for_no_effect) {
     for (const Effect& effect : registry()) expect_nothing(stats, effect.id);
     EXPECT_FALSE(has_sun_light_);
     EXPECT_FALSE(has_shelter_);
+    EXPECT_FALSE(has_reflections_);
     EXPECT_EQ(sky_tables_, 0u);
 }
 
@@ -71,9 +73,18 @@ TEST_F(EffectCosts, each_effect_alone_is_paid_for_and_no_other) {
         data.environment.atmosphere.turbidity = effect.id == EffectId::atmosphere ? 2.0f : 0.0f;
         data.environment.weather.rain = effect.id == EffectId::rain ? 0.5f : 0.0f;
         data.environment.weather.snow = effect.id == EffectId::snow ? 0.5f : 0.0f;
+        const std::uint32_t gloss = effect.id == EffectId::water         ? scene::kMaterialWater
+                                    : effect.id == EffectId::reflections ? scene::kMaterialMirror
+                                                                         : 0u;
+        for (scene::Material& material : data.materials)
+            if (material.flags & scene::kMaterialSpecular) material.flags |= gloss;
+        for (scene::Mesh& mesh : data.meshes)
+            if (mesh.material_flags & scene::kMaterialSpecular) mesh.material_flags |= gloss;
         if (effect.id == EffectId::lamps)
             data.lamps.push_back({.position = {0.0, 4.0, 50.0}, .on_below_sun_deg = 90.0f});
-        const FrameStats stats = walk(data.view(), {.fixed_near_m = 0.0});
+        // Water mirrors: without rays it has waves alone.
+        const std::uint64_t rays = effect.id == EffectId::water ? 0 : FrameSettings{}.reflection_rays;
+        const FrameStats stats = walk(data.view(), {.fixed_near_m = 0.0, .reflection_rays = rays});
         for (const Effect& other : registry()) {
             if (other.id == effect.id) {
                 EXPECT_EQ(stats.effects[other.id].state, State::active) << other.name;
@@ -82,6 +93,7 @@ TEST_F(EffectCosts, each_effect_alone_is_paid_for_and_no_other) {
             }
         }
         EXPECT_EQ(has_sun_light_, effect.id == EffectId::sun_shadows);
+        EXPECT_EQ(has_reflections_, effect.id == EffectId::reflections);
         EXPECT_EQ(has_shelter_, effect.id == EffectId::rain || effect.id == EffectId::snow);
         EXPECT_EQ(sky_tables_, effect.id == EffectId::atmosphere ? 1u : 0u);
         if (effect.id == EffectId::sun_shadows) {
@@ -89,7 +101,8 @@ TEST_F(EffectCosts, each_effect_alone_is_paid_for_and_no_other) {
             EXPECT_GT(stats.work(effect.id).ms, 0.0);
         }
         // The same scene with it switched off.
-        const FrameStats without = walk(data.view(), {.fixed_near_m = 0.0, .without_effects = set_of(effect.id)});
+        const FrameStats without =
+            walk(data.view(), {.fixed_near_m = 0.0, .reflection_rays = rays, .without_effects = set_of(effect.id)});
         expect_nothing(without, effect.id);
         EXPECT_EQ(without.effects[effect.id].state, State::off);
     }

@@ -9,6 +9,8 @@
 #include <numeric>
 
 #include "engine/farfield/ray_caster.h"
+#include "engine/scene/sky_table.h"
+#include "engine/shading/atmosphere.h"
 #include "tests/gl/gl_fixture.h"
 #include "tests/support/worlds.h"
 
@@ -268,6 +270,22 @@ TEST_F(NearRendererTest, textures_highlights_and_fog_are_the_shading_passes) {
     EXPECT_LT(shading_difference(world.view(), view, 3), 0.005);
 }
 
+TEST_F(NearRendererTest, the_air_of_an_atmosphere_is_the_shading_passes) {
+    scene::Material material = test::plain_material();
+    material.base_color_texture = 0;
+    scene::SkyTable table;
+    for (const float height : {0.8f, 0.1f, -0.1f}) {
+        scene::SceneData world = make_room(material, height > 0.5f ? 0.01 : 0.0);
+        world.environment.atmosphere.turbidity = 4.0f;
+        world.environment.to_sun = Vec3(0.0f, height, -std::sqrt(1.0f - height * height));
+        shading::light_atmosphere(world.environment, table);
+        for (const double pitch : {-0.1, 0.4}) {  // the floor; the sun
+            const PinholeView view = make_view({.position = {0.5, 1.7, 2.0}, .pitch = pitch}, kWidth, kHeight);
+            EXPECT_LT(shading_difference(world.view(), view, 3), 0.005) << height << ", " << pitch;
+        }
+    }
+}
+
 TEST_F(NearRendererTest, every_combination_of_material_features_has_a_program) {
     scene::SceneData world = test::make_single_triangle({-1, -1, -5}, {1, -1, -5}, {0, 1, -5});
     const std::uint32_t texel = 0xFF808080u;
@@ -285,6 +303,7 @@ TEST_F(NearRendererTest, every_combination_of_material_features_has_a_program) {
     }
     for (const float fog : {0.0f, 0.1f}) {
         world.environment.fog_density_per_m = fog;
+        world.environment.atmosphere.turbidity = fog > 0.0f ? 2.0f : 0.0f;
         const scene::StaticScene scene = world.view();  // outlives the renderer
         const auto renderer = NearRenderer::make(scene);
         EXPECT_TRUE(renderer) << renderer.error().message;

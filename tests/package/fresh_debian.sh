@@ -44,6 +44,11 @@ if [ ! -f "$base" ]; then
   rm -rf --one-file-system "$fresh"
 fi
 root=$work/root
+clean_up() {
+  umount -l "$root"/tmp "$root"/proc "$root"/dev "$root"/sys 2>/dev/null || true
+  rm -rf --one-file-system "$root" # which it never leaves for a mount that is still there
+}
+trap clean_up EXIT
 mkdir "$root"
 tar -C "$root" -xf "$base"
 chmod 755 "$root" # apt fetches as a user of its own
@@ -66,5 +71,3 @@ env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/tmp LANG=C.UTF-8 BUILD_PATH="$(c
   SOURCE_PATH="$(cd "$tool/../.." && pwd)" ${http_proxy:+http_proxy="$http_proxy"} ${https_proxy:+https_proxy="$https_proxy"} \
   MESA_SHADER_CACHE_DISABLE=true chroot "$root" /tmp/fresh_debian_inside.sh
 step "done"
-umount -l "$root"/tmp "$root"/proc "$root"/dev "$root"/sys
-rm -rf --one-file-system "$root"

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "engine/core/jobs.h"
+#include "engine/shading/reflections.h"
 #include "engine/shading/shade_reference.h"
 #include "engine/shading/shading_model.h"
 #include "tests/shading/shading_worlds.h"
@@ -168,6 +169,88 @@ TEST(shading, lamps_rain_and_snow_are_shaded_as_the_reference_says) {
     EXPECT_GE(changed, 4) << "some views see nothing that faces up";
     EXPECT_GT(compared, 300000);
     EXPECT_LE(large, compared / 5000);
+}
+
+TEST(shading, waves_are_shaded_as_the_reference_says) {
+    int compared = 0, large = 0;
+    scene::SkyTable table;
+    for (std::uint32_t seed = 0; seed < 4; ++seed) {
+        scene::SceneData world = make_material_world(seed);
+        for (scene::Material& material : world.materials) {
+            material.flags |= scene::kMaterialSpecular | scene::kMaterialWater;
+            material.metallic_roughness_texture = scene::kNoTexture;
+            material.roughness = 0.2f;
+        }
+        if (seed % 2 == 0) {
+            world.environment.atmosphere.turbidity = 2.0f;
+            shading::light_atmosphere(world.environment, table);
+        }
+        const scene::StaticScene scene = world.view();
+        Random random(5000 + seed);
+        const PinholeView view = random_view(random, scene.bounds);
+        const VisibilityBuffer visibility = cast_view(scene, view);
+        const shading::Waves waves = shading::make_waves(view.position, {.wind_m_s = {3.0f, 1.0f}}, 12.0 * seed);
+        const ShadeSettings settings{.waves = &waves};
+        for (const Image& image :
+             images_of_all_targets([&] { return shade_view(scene, view, visibility, settings); })) {
+            const Difference d = compare_with_reference(scene, view, visibility, image, settings);
+            EXPECT_LE(d.large, 60) << "seed " << seed << ", max " << d.max;
+            compared += d.compared;
+            large += d.large;
+        }
+    }
+    EXPECT_GT(compared, 200000);
+    EXPECT_LE(large, compared / 2000);
+}
+
+TEST(shading, reflections_are_looked_up_as_the_reference_says) {
+    int compared = 0, large = 0, shown = 0;
+    for (std::uint32_t seed = 0; seed < 4; ++seed) {
+        scene::SceneData world = make_material_world(seed);
+        for (std::size_t i = 0; i < world.materials.size(); ++i) {
+            scene::Material& material = world.materials[i];
+            material.flags |= scene::kMaterialSpecular | (i % 2 ? scene::kMaterialWater : scene::kMaterialMirror);
+            material.metallic_roughness_texture = scene::kNoTexture;
+            material.roughness = 0.1f;
+            material.metallic = 0.0f;
+            material.alpha_cutoff = 0.05f;
+        }
+        const scene::StaticScene scene = world.view();
+        Random random(7000 + seed);
+        const PinholeView view = random_view(random, scene.bounds);
+        const VisibilityBuffer visibility = cast_view(scene, view);
+        const int step = 1 << seed % 3;
+        Image mirrored;
+        mirrored.resize((kWidth + step - 1) / step, (kHeight + step - 1) / step);
+        std::vector<float> depth(mirrored.pixels.size());
+        for (int y = 0; y < mirrored.height; ++y)
+            for (int x = 0; x < mirrored.width; ++x) {
+                // Smooth, with holes and sky: what a lookup a thousandth of a pixel beside finds is the same.
+                const std::size_t at = std::size_t(y) * std::size_t(mirrored.stride) + std::size_t(x);
+                const std::uint32_t alpha = x % 16 < 10   ? shading::kReflectsSurface
+                                            : x % 16 < 14 ? shading::kReflectsSky
+                                                          : shading::kReflectsUnknown;
+                mirrored.pixels[at] =
+                    alpha << 24 | std::uint32_t(100 + x / 4) << 16 | std::uint32_t(60 + y / 4) << 8 | 90u;
+                depth[at] = alpha == shading::kReflectsSurface ? 40.0f : std::numeric_limits<float>::infinity();
+            }
+        const shading::Reflections reflections{
+            .image = mirrored, .depth = depth.data(), .step = step, .within_m = 30.0f};
+        const shading::Waves waves = shading::make_waves(view.position, {}, 3.0 * seed);
+        const ShadeSettings settings{.waves = seed < 2 ? &waves : nullptr, .reflections = &reflections};
+        for (const Image& image :
+             images_of_all_targets([&] { return shade_view(scene, view, visibility, settings); })) {
+            const Difference d = compare_with_reference(scene, view, visibility, image, settings);
+            EXPECT_LE(d.large, 150) << "seed " << seed << ", max " << d.max;
+            compared += d.compared;
+            large += d.large;
+        }
+        shown = std::max(shown, largest_difference(shade_view(scene, view, visibility, settings),
+                                                   shade_view(scene, view, visibility)));
+    }
+    EXPECT_GT(shown, 20);
+    EXPECT_GT(compared, 200000);
+    EXPECT_LE(large, compared / 500);
 }
 
 TEST(shading, any_share_of_the_sun_is_shaded_as_the_reference_says) {

@@ -1,11 +1,10 @@
 #pragma once
-// The parts of the lab's page, made from page/ and Chart.js when the tool is built.
 
-#include <string_view>
+#include "tools/page/page.h"
 
 namespace ff::accuracy {
 
-extern const std::string_view kPage_html, kPage_style, kPage_script;
-extern const std::string_view kPage_chart;  ///< Chart.js, minified
+/// The lab's page, made from page/ when the tool is built.
+extern const page::PageParts kPage;
 
 }  // namespace ff::accuracy

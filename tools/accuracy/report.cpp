@@ -108,19 +108,6 @@ shading::Image picture_of(const Plane& flip_map) {
     return image;
 }
 
-std::string base64(std::string_view bytes) {
-    static constexpr char kDigits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    std::string text;
-    text.reserve((bytes.size() + 2) / 3 * 4);
-    for (std::size_t i = 0; i < bytes.size(); i += 3) {
-        std::uint32_t group = 0;
-        for (std::size_t j = 0; j < 3; ++j)
-            group = group << 8 | (i + j < bytes.size() ? std::uint8_t(bytes[i + j]) : 0u);
-        for (std::size_t j = 0; j < 4; ++j) text += i + j > bytes.size() ? '=' : kDigits[group >> (18 - 6 * j) & 63u];
-    }
-    return text;
-}
-
 /// Pictures in a folder and in the page, each once.
 class Pictures {
   public:
@@ -131,7 +118,7 @@ class Pictures {
         const auto path = folder_ / (name + ".jpg");
         FF_TRY(tool::write_image(path, image));
         FF_ASSIGN(const std::string bytes, read_text_file(path));
-        images_[name] = "data:image/jpeg;base64," + base64(bytes);
+        images_[name] = page::jpeg_url(bytes);
         return {};
     }
     [[nodiscard]] const json& images() const { return images_; }
@@ -180,31 +167,6 @@ Result<json> make_cases(const Bench& bench, const Sweep& sweep, Pictures& pictur
     return cases;
 }
 
-/// Text that may stand inside a <script> element: nothing in it ends the element.
-std::string for_script(std::string text) {
-    for (std::size_t at = 0; (at = text.find("</", at)) != std::string::npos; at += 3) text.replace(at, 2, "<\\/");
-    return text;
-}
-
-/// Replaces each {{name}} of the page by its part.
-std::string fill_page(const std::string& data) {
-    const std::pair<std::string_view, std::string> parts[] = {{"style", std::string(kPage_style)},
-                                                              {"data", for_script(data)},
-                                                              {"chart", for_script(std::string(kPage_chart))},
-                                                              {"script", std::string(kPage_script)}};
-    std::string page;
-    std::string_view left = kPage_html;
-    while (!left.empty()) {
-        const std::size_t open = left.find("{{"), close = left.find("}}", open);
-        page += left.substr(0, open);
-        if (open == std::string_view::npos) break;
-        for (const auto& [name, text] : parts)
-            if (left.substr(open + 2, close - open - 2) == name) page += text;
-        left.remove_prefix(close + 2);
-    }
-    return page;
-}
-
 }  // namespace
 
 std::string report_json(const Bench& bench, const Sweep& sweep, const ReportInfo& info) {
@@ -222,7 +184,7 @@ Status write_report(const Bench& bench, const Sweep& sweep, const ReportInfo& in
     Pictures pictures(picture_folder);
     FF_ASSIGN(report["cases"], make_cases(bench, sweep, pictures));
     report["images"] = pictures.images();
-    return write_file_whole(folder / "accuracy.html", fill_page(report.dump()));
+    return write_file_whole(folder / "accuracy.html", page::fill_page(kPage, report.dump()));
 }
 
 }  // namespace ff::accuracy

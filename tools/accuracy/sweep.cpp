@@ -143,6 +143,8 @@ Result<Sweep> sweep(const Bench& bench, int pairs) {
         const scene::StaticScene& scene = bench.scene.world.scene();
         if (knob.needs_sun && !scene.environment.sun_shadows) continue;
         if (knob.needs_lamps && scene.lamps.empty()) continue;
+        if (knob.needs_mirrors && std::none_of(scene.materials.begin(), scene.materials.end(), scene::is_mirror))
+            continue;
         const scene::Weather& weather = scene.environment.weather;
         if (knob.needs_weather && !(weather.rain > 0.0f || weather.snow > 0.0f)) continue;
         std::vector<KnobSettings> settings;

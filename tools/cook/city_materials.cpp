@@ -70,6 +70,8 @@ CityMaterials add_city_materials(const CityTextures& textures, WorldSource& into
         material.base_color_texture = texture;
         material.roughness = roughness;
         material.metallic = metallic;
+        if (roughness < 0.5f) material.flags |= scene::kMaterialSpecular;
+        if (scene::is_smooth(material)) material.flags |= scene::kMaterialMirror;
         into.materials.push_back(material);
         return std::uint32_t(into.materials.size() - 1);
     };

@@ -186,6 +186,7 @@ struct MaterialReader {
             material.flags |= scene::kMaterialUnlit;
         else if (material.roughness < kDullRoughness || material.metallic > kDullMetallic)
             material.flags |= scene::kMaterialSpecular;
+        if (scene::is_smooth(material)) material.flags |= scene::kMaterialMirror;
         return material;
     }
 

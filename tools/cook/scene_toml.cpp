@@ -77,6 +77,7 @@ class SceneBuilder {
         made.base_color = Vec4(color, 1.0f);
         made.roughness = roughness;
         if (roughness < 0.5f) made.flags |= scene::kMaterialSpecular;
+        if (scene::is_smooth(made)) made.flags |= scene::kMaterialMirror;
         if (!path.empty()) {
             FF_ASSIGN(made.base_color_texture, texture(path));
         }
@@ -114,6 +115,9 @@ class SceneBuilder {
         }
         if (!has_terrain) return {};
         const TerrainDescription& terrain = *scene_.terrain;
+        if (terrain.water_m) waters_.push_back({.level_m = *terrain.water_m});
+        waters_.insert(waters_.end(), scene_.waters.begin(), scene_.waters.end());
+        for (const WaterDescription& water : waters_) dig_bed(water, field);
         const double spacing = std::min(field.spacing_x, field.spacing_z);
         const double max_error_m = terrain.max_error_m.value_or(std::max(0.1, spacing / 100));
         terrain_ =
@@ -129,13 +133,12 @@ class SceneBuilder {
         look.texture_size_m = terrain.texture_size_m;
         if (terrain.natural_colors) {
             for (const std::uint32_t id : {look.material, look.steep_material}) divide_out_mean(world_.materials[id]);
-            look.color = [water = terrain.water_m.value_or(-1e6), snow = terrain.snow_line_m](
-                             double x, double y, double z, const Vec3& normal) {
-                return natural_color(x, y, z, normal, water, snow);
+            look.color = [this, snow = terrain.snow_line_m](double x, double y, double z, const Vec3& normal) {
+                return natural_color(x, y, z, normal, water_level_near(waters_, x, z), snow);
             };
         }
         terrain_->add_to(world_, look);
-        if (terrain.water_m) return add_water(*terrain.water_m);
+        add_waters();
         return {};
     }
 
@@ -153,26 +156,16 @@ class SceneBuilder {
             material.base_color[c] = float(std::clamp(double(texture.rgba.size()) / std::max(sum[c], 1e-6), 1.0, 16.0));
     }
 
-    /// A level sheet in all squares of the terrain that reach below it.
-    Status add_water(double level) {
-        FF_ASSIGN(const std::uint32_t water, material({}, Vec3(0.05f, 0.12f, 0.16f), 0.12f));
-        const HeightField& field = terrain_->field();
-        constexpr int kStep = 16;
-        MeshBuilder mesh("water", {0, level, 0});
-        for (int j = 0; j + 1 < field.rows; j += kStep)
-            for (int i = 0; i + 1 < field.columns; i += kStep) {
-                const int i1 = std::min(i + kStep, field.columns - 1), j1 = std::min(j + kStep, field.rows - 1);
-                bool wet = false;
-                for (int b = j; b <= j1 && !wet; ++b)
-                    for (int a = i; a <= i1 && !wet; ++a) wet = field.at(a, b) < level;
-                if (!wet) continue;
-                const double x0 = field.low_x + i * field.spacing_x, x1 = field.low_x + i1 * field.spacing_x;
-                const double z0 = field.low_z + j * field.spacing_z, z1 = field.low_z + j1 * field.spacing_z;
-                mesh.flat_quad({DVec3(x0, level, z1), DVec3(x1, level, z1), DVec3(x1, level, z0), DVec3(x0, level, z0)},
-                               {Vec2(0, 1), Vec2(1, 1), Vec2(1, 0), Vec2(0, 0)}, water);
-            }
-        add_static_mesh(world_, std::move(mesh));
-        return {};
+    /// The sheets of water, and what keeps scattered things out of those that have an outline.
+    void add_waters() {
+        for (const WaterDescription& water : waters_) {
+            world_.materials.push_back(water_material(water));
+            add_water_sheet(water, terrain_->field(), std::uint32_t(world_.materials.size() - 1), world_);
+            if (water.outline.empty()) continue;
+            Footprint outline;
+            for (const DVec2& p : water.outline) outline.outer.emplace_back(p.x, -p.y);
+            obstacles_.add(outline);
+        }
     }
 
     Status add_town(const std::function<double(double, double)>& landscape) {
@@ -492,6 +485,7 @@ class SceneBuilder {
     GrowingGround surface_;
     std::optional<std::size_t> ground_end_;  ///< placements behind it are no ground
     Obstacles obstacles_;
+    std::vector<WaterDescription> waters_;
 };
 
 }  // namespace

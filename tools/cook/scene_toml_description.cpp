@@ -231,6 +231,31 @@ void read_lamp(const toml::table& source, TomlReport& report, SceneDescription& 
     scene.lamps.push_back(std::move(lamp));
 }
 
+void read_water(const toml::table& source, TomlReport& report, SceneDescription& scene) {
+    TomlTable table(source, "[[water]]", report);
+    WaterDescription water;
+    if (!table.has("level_m")) table.fail("level_m", "missing; expected the height of the surface, metres");
+    water.level_m = table.number("level_m", 0, -12000, 12000);
+    const std::vector<double> area = table.numbers("area_m", 4, 4, -kFar, kFar);
+    if (!area.empty()) water.outline = {{area[0], area[1]}, {area[2], area[1]}, {area[2], area[3]}, {area[0], area[3]}};
+    const std::vector<std::vector<double>> polygon = table.points("polygon_m", 2, 2);
+    if (!area.empty() && !polygon.empty()) table.fail("polygon_m", "expected either it or area_m");
+    if (!polygon.empty() && polygon.size() < 3) table.fail("polygon_m", "expected at least three points");
+    for (const std::vector<double>& p : polygon) water.outline.emplace_back(p[0], p[1]);
+    water.depth_m = table.optional_number("depth_m", 0, 1000);
+    if (water.depth_m && water.outline.empty()) table.fail("depth_m", "expected area_m or polygon_m with it");
+    const auto read_color = [&](const char* key, Vec3& color) {
+        const std::vector<double> c = table.numbers(key, 3, 3, 0, 1);
+        if (!c.empty()) color = Vec3(c[0], c[1], c[2]);
+    };
+    read_color("color", water.color);
+    read_color("bed_color", water.bed_color);
+    water.clarity_m = table.number("clarity_m", water.clarity_m, 0.01, 1000);
+    water.wave_height_m = table.number("wave_height_m", water.wave_height_m, 0, 0.5);
+    table.finish();
+    scene.waters.push_back(std::move(water));
+}
+
 void read_weather(const toml::table& source, TomlReport& report, SceneDescription& scene) {
     TomlTable table(source, "[weather]", report);
     scene::Weather& weather = scene.environment.weather;
@@ -306,6 +331,8 @@ Result<SceneDescription> read_scene_description(const std::filesystem::path& pat
     check_names_of_places(root, scene);
     for (const toml::table* source : root.tables("scatter")) read_scatter(*source, report, scene);
     for (const toml::table* source : root.tables("lamp")) read_lamp(*source, report, scene);
+    for (const toml::table* source : root.tables("water")) read_water(*source, report, scene);
+    if (!scene.waters.empty() && !scene.terrain) root.fail("water", "expected a [terrain] for it to lie in");
     if (const toml::table* source = root.table("weather")) read_weather(*source, report, scene);
     read_spawn_and_walks(root, report, scene);
     root.finish();

@@ -16,6 +16,7 @@
 #include "tools/cook/ground_frame.h"
 #include "tools/cook/terrain.h"
 #include "tools/cook/terrain_valley.h"
+#include "tools/cook/water.h"
 
 namespace ff::cook {
 
@@ -99,6 +100,7 @@ struct SceneDescription {
     std::vector<ModelDescription> models;
     std::vector<ScatterDescription> scatters;
     std::vector<LampDescription> lamps;
+    std::vector<WaterDescription> waters;
     std::optional<std::array<double, 3>> spawn;  ///< x, z, yaw
     std::optional<double> spawn_y;
     std::vector<WalkDescription> walks;

@@ -11,10 +11,11 @@
 #include "engine/core/log.h"
 #include "engine/core/stopwatch.h"
 #include "tools/ff/bench_run.h"
-#include "tools/ff/heap_counter.h"
+#include "tools/ff/frame_recorder.h"
 #include "tools/ff/machine.h"
 #include "tools/ff/modes.h"
 #include "tools/ff/session.h"
+#include "tools/ff/walk_lap.h"
 
 namespace ff::tool {
 namespace {
@@ -59,34 +60,44 @@ void measure_errors(Session& session, std::vector<ModeRun>& runs, const ImageSiz
     }
 }
 
-void time_laps(Session& session, std::vector<ModeRun>& runs, const ImageSize& size, int laps, std::size_t frames) {
-    constexpr std::size_t kWarmUpFrames = 4;  // of a lap, before its frames count as steady
+Status time_laps(Session& session, std::vector<ModeRun>& runs, const ImageSize& size, int laps, std::size_t frames,
+                 debug::Trace* trace) {
     shading::Image image;
     Progress progress("timing", std::uint64_t(laps) * runs.size() * frames);
     for (int lap = 0; lap < laps; ++lap) {
         for (std::size_t i = 0; i < runs.size(); ++i) {
             ModeRun& run = runs[(i + std::size_t(lap)) % runs.size()];  // nobody is always first
-            run.renderer->reset();
-            for (std::size_t f = 0; f < frames; ++f) {
-                const Camera camera = session.walk().camera(f);
-                const std::uint64_t allocations = heap_allocations();
-                const Stopwatch pose_watch;
-                const std::span<const scene::Instance> dynamic = session.dynamic(f, size);
-                const double pose_ms = pose_watch.milliseconds();
-                const frame::FrameStats& stats = run.renderer->draw(camera, dynamic, run.settings, image);
-                if (f >= kWarmUpFrames) {
-                    run.steady_allocations += heap_allocations() - allocations;
+            const bool is_last = lap + 1 == laps;
+            if (is_last && trace != nullptr) trace->begin_process(run.name);
+            FF_TRY(draw_lap(session, *run.renderer, run.settings, size, frames, image, [&](const LapFrame& drawn) {
+                if (drawn.frame >= kWarmUpFrames) {
+                    run.steady_allocations += drawn.allocations;
                     ++run.steady_frames;
                 }
-                run.frame_ms.laps[f].push_back(pose_ms + stats.frame_ms);
-                run.visibility_ms.laps[f].push_back(stats.visibility_ms());
-                run.shading_ms.laps[f].push_back(stats.shading_ms());
+                const frame::FrameStats& stats = drawn.stats;
+                run.frame_ms.laps[drawn.frame].push_back(drawn.ms);
+                run.visibility_ms.laps[drawn.frame].push_back(stats.visibility_ms());
+                run.shading_ms.laps[drawn.frame].push_back(stats.shading_ms());
                 for (std::size_t p = 0; p < frame::kPassCount; ++p) run.pass_ms[p] += stats.pass_ms[p];
-                if (lap == 0) run.stats.push_back(stats);
-            }
+                if (lap == 0) {
+                    run.stats.push_back(stats);
+                    run.work.push_back(report::work_of(stats, drawn.allocations, drawn.upload_bytes));
+                }
+                if (is_last && trace != nullptr) trace->add(drawn.frame, drawn.allocations, stats);
+            }));
             progress.advance(frames);
         }
     }
+    return {};
+}
+
+/// Every frame of a mode and pictures of its slowest; passes as in the first lap.
+Status add_frames_of(Session& session, const ModeRun& run, const ImageSize& size, json& out) {
+    report::FrameSeries series(run.stats.size());
+    const std::vector<double> ms = run.frame_ms.medians();
+    for (std::size_t f = 0; f < run.stats.size(); ++f)
+        series.add(session.walk().camera(f), ms[f], run.work[f], run.stats[f]);
+    return add_frames(session, *run.renderer, run.settings, size, series, out);
 }
 
 }  // namespace
@@ -114,10 +125,14 @@ Status run_bench(const BenchOptions& options) {
         run.renderer = session->make_renderer(options.view.size);
         for (Times* times : {&run.frame_ms, &run.visibility_ms, &run.shading_ms}) times->resize(frames, options.laps);
         run.stats.reserve(frames);
+        run.work.reserve(frames);
         runs.push_back(std::move(run));
     }
     measure_errors(*session, runs, options.view.size, frames);
-    time_laps(*session, runs, options.view.size, options.laps, frames);
+    debug::Trace trace(options.trace.empty() ? 0 : runs.size() * frames);
+    FF_TRY(
+        time_laps(*session, runs, options.view.size, options.laps, frames, options.trace.empty() ? nullptr : &trace));
+    if (!options.trace.empty()) FF_TRY(write_trace(options.trace, trace));
 
     const scene::StaticScene& scene = session->world().scene();
     const scene::WorldStatistics& statistics = session->world().statistics();
@@ -144,7 +159,10 @@ Status run_bench(const BenchOptions& options) {
           {"frame_ms", "a frame's time is its median over the laps"}}},
         {"open_seconds", open_seconds},
         {"peak_memory_mb", peak_memory_mb()}};
-    for (const ModeRun& run : runs) report["modes"][run.name] = report_of(run, frames, options.laps);
+    for (const ModeRun& run : runs) {
+        json& out = report["modes"][run.name] = report_of(run, frames, options.laps);
+        if (options.each_frame) FF_TRY(add_frames_of(*session, run, options.view.size, out));
+    }
     report["ratios"] = ratios_of(runs);
     std::printf("%s\n", report.dump(2).c_str());
     return {};

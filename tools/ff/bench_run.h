@@ -10,6 +10,7 @@
 #include "engine/farfield/visibility_difference.h"
 #include "engine/frame/renderer.h"
 #include "engine/shading/image_difference.h"
+#include "tools/report/frame_work.h"
 
 namespace ff::tool {
 
@@ -57,6 +58,7 @@ struct ModeRun {
     std::unique_ptr<frame::Renderer> renderer;
     Times frame_ms, visibility_ms, shading_ms;
     std::vector<frame::FrameStats> stats;  ///< [frame], of the first lap: work is the same in all
+    std::vector<report::FrameWork> work;   ///< likewise
     std::vector<double> pass_ms = std::vector<double>(frame::kPassCount, 0.0);
     std::uint64_t steady_allocations = 0, steady_frames = 0;
     ErrorSum error;       ///< against mode raycast with the same shading

@@ -1,213 +1,19 @@
-#include <CLI/CLI.hpp>
-#include <cmath>
 #include <cstdio>
-#include <cstdlib>
 
 #include "engine/core/heap_count.h"
 #include "engine/core/jobs.h"
 #include "engine/core/log.h"
-#include "engine/effects/registry.h"
-#include "tools/ff/commands.h"
+#include "tools/ff/command_options.h"
 #include "tools/ff/describe_command_line.h"
 #include "tools/ff/heap_counter.h"
 #include "tools/ff/modes.h"
+#include "tools/ff/playtest_options.h"
 
 namespace ff::tool {
 namespace {
 
-const std::map<std::string, budget::WhenLate> kWhenLate{{"coarser", budget::WhenLate::coarser},
-                                                        {"stale", budget::WhenLate::stale}};
-const std::map<std::string, frame::CasterKind> kCasters{
-    {"beam", frame::CasterKind::beam}, {"embree", frame::CasterKind::embree}, {"grid", frame::CasterKind::grid}};
-const std::map<std::string, frame::OpacityKind> kOpacityKinds{{"auto", frame::OpacityKind::automatic},
-                                                              {"software", frame::OpacityKind::software},
-                                                              {"readback", frame::OpacityKind::readback}};
-
-const std::map<std::string, frame::SunShadows> kSunShadows{
-    {"scene", frame::SunShadows::by_scene}, {"off", frame::SunShadows::off}, {"on", frame::SunShadows::on}};
-
 const std::map<std::string, host::AutoPlayerKind> kAutoPlayers{{"random", host::AutoPlayerKind::random},
                                                                {"winner", host::AutoPlayerKind::winner}};
-
-/// WIDTHxHEIGHT, both in [16, 8192].
-std::string parse_size(const std::string& text, ImageSize& size) {
-    int width = 0, height = 0;
-    char rest = 0;
-    if (std::sscanf(text.c_str(), "%dx%d%c", &width, &height, &rest) != 2 || width < 16 || width > 8192 ||
-        height < 16 || height > 8192)
-        return "--size: '" + text + "' is not WIDTHxHEIGHT with both from 16 to 8192, as 640x480";
-    size = {width, height};
-    return {};
-}
-
-/// CLI::Range lets not-a-number pass, which is neither below nor above.
-CLI::Validator number_in(double low, double high) {
-    return CLI::Range(low, high) & CLI::Validator(
-                                       [](const std::string& text) {
-                                           return std::isnan(std::strtod(text.c_str(), nullptr))
-                                                      ? "'" + text + "' is not a number"
-                                                      : std::string();
-                                       },
-                                       "");
-}
-
-/// A check of mode reproject, or another part of it, by the name that --reproject-without takes.
-void switch_off(const std::string& part, farfield::ReprojectSettings& settings) {
-    if (part == "frustum") settings.check_view_frustum = false;
-    if (part == "occlusion") settings.check_occlusion = false;
-    if (part == "resampling") settings.resample_period = 0;
-    if (part == "abrupt") settings.check_abrupt = false;
-    if (part == "background") settings.use_background = false;
-    if (part == "vote") settings.vote = farfield::Vote::any;
-}
-
-const std::map<std::string, farfield::Vote> kVotes{
-    {"surface", farfield::Vote::surface}, {"primitive", farfield::Vote::primitive}, {"any", farfield::Vote::any}};
-
-void add_reproject_options(CLI::App& app, frame::FrameSettings& settings) {
-    app.add_option_function<std::vector<std::string>>(
-           "--reproject-without",
-           [&settings](const std::vector<std::string>& parts) {
-               for (const std::string& part : parts) switch_off(part, settings.reproject);
-           },
-           "Mode reproject without some of its checks: frustum,occlusion,resampling,abrupt,background,vote")
-        ->delimiter(',')
-        ->check(CLI::IsMember({"frustum", "occlusion", "resampling", "abrupt", "background", "vote"}));
-    app.add_flag("--reproject-shift", settings.reproject.shift_origin,
-                 "Rays of pixels that fail begin where points landed around them (P3 5.3)");
-    app.add_option("--reproject-count", settings.reproject.min_count,
-                   "Points around a pixel that must vote for its hit (P3's m_cnt)")
-        ->check(CLI::Range(0, 9));
-    app.add_option("--reproject-vote", settings.reproject.vote,
-                   "Whose points vote: those on the hit's surface, on its primitive, or any")
-        ->transform(CLI::CheckedTransformer(kVotes, CLI::ignore_case).description(""));
-    app.add_option("--reproject-surface", settings.reproject.surface_share,
-                   "Depths within this share of each other are one surface")
-        ->check(CLI::Range(0.0, 1.0));
-    app.add_option("--reproject-period", settings.reproject.resample_period,
-                   "Frames in which each pixel is cast at least once; 0: never")
-        ->check(CLI::Range(0, 64));
-    app.add_option("--reproject-block", settings.reproject.resample_block_px,
-                   "Pixels that are cast for it lie in blocks of this side")
-        ->check(CLI::IsMember({1, 2, 4, 8, 16, 32}));
-    app.add_option("--reproject-caster", settings.reproject_caster,
-                   "Who casts the tiles that mode reproject leaves: beam, embree or grid; single pixels go to Embree")
-        ->transform(CLI::CheckedTransformer(kCasters, CLI::ignore_case).description(""));
-}
-
-void add_size_and_threads(CLI::App& app, ImageSize& size, int& threads) {
-    app.add_option_function<std::string>(
-        "--size",
-        [&size](const std::string& text) {
-            if (const std::string error = parse_size(text, size); !error.empty()) throw CLI::ValidationError(error);
-        },
-        "Image size in pixels, WIDTHxHEIGHT (640x480)");
-    app.add_option("--threads", threads, "Worker threads; 0: as many as the machine has")->check(CLI::Range(0, 1024));
-}
-
-std::string effect_names() {
-    std::string names;
-    for (const effects::Effect& effect : effects::registry())
-        names += (names.empty() ? "" : ", ") + std::string(effect.name);
-    return names;
-}
-
-/// What is drawn, how large and by how many threads.
-void add_scene_options(CLI::App& app, ViewOptions& view) {
-    app.add_option("PACK", view.pack, "A .ffpack; or a scene.toml, .gltf or .glb, which is cooked into the cache first")
-        ->required();
-    app.add_option("--walk", view.walk, "Walkthrough: a name that the pack has, or a .walk.json file")
-        ->capture_default_str();
-    add_size_and_threads(app, view.size, view.threads);
-}
-
-void add_view_options(CLI::App& app, ViewOptions& view, bool with_mode) {
-    add_scene_options(app, view);
-    auto& settings = view.frame;
-    if (with_mode)
-        app.add_option(
-               "--mode", settings.mode,
-               "How frames are drawn: hybrid, raster, raycast (= orsa), near, beam, beam-reuse, reproject or irsa")
-            ->transform(CLI::CheckedTransformer(mode_names(), CLI::ignore_case).description(""));
-    app.add_option("--budget-ms", settings.budget_ms,
-                   "Keep frames within this time by giving up accuracy; 0: exact frames")
-        ->check(number_in(0.0, 1e5));
-    app.add_option(
-           "--when-late", settings.when_late,
-           "What gives where the budget is short: coarser (the picture is drawn smaller) or stale (old texels of "
-           "the panorama stay)")
-        ->transform(CLI::CheckedTransformer(kWhenLate, CLI::ignore_case).description(""));
-    app.add_option("--caster", settings.caster, "Who answers what is left over in hybrid: beam, embree or grid")
-        ->transform(CLI::CheckedTransformer(kCasters, CLI::ignore_case).description(""));
-    app.add_option("--near-m", settings.fixed_near_m,
-                   "Near distance in metres instead of the controller's choice; 0: no near field")
-        ->check(number_in(0.0, 1e6));
-    app.add_option("--max-parallax-px", settings.max_parallax_px,
-                   "A panorama texel is reused up to this predicted parallax")
-        ->check(number_in(0.0, 16.0));
-    app.add_option("--prelit-beyond-m", settings.prelit_beyond_m, "Beyond this depth triangles have one prelit colour")
-        ->check(number_in(0.0, 1e9));
-    app.add_option("--blend-within-m", settings.blend_within_m,
-                   "Blended surfaces nearer than this are sorted per pixel, farther ones shown by coverage; 0: all")
-        ->check(number_in(0.0, 1e6));
-    app.add_option("--opacity", settings.opacity, "Opacity buffer: auto, software or readback")
-        ->transform(CLI::CheckedTransformer(kOpacityKinds, CLI::ignore_case).description(""));
-    app.add_option("--sun-shadows", settings.sun_shadows, "Sun shadows: scene (as its [sun] says), off or on")
-        ->transform(CLI::CheckedTransformer(kSunShadows, CLI::ignore_case).description(""));
-    app.add_option_function<std::vector<std::string>>(
-           "--without",
-           [&settings](const std::vector<std::string>& names) {
-               for (const std::string& name : names)
-                   settings.without_effects |= effects::set_of(effects::find_effect(name)->id);
-           },
-           "Effects that are off, whatever calls for them: " + effect_names())
-        ->delimiter(',')
-        ->check([](const std::string& name) {
-            return effects::find_effect(name) != nullptr ? std::string()
-                                                         : "no effect '" + name + "'; there are " + effect_names();
-        });
-    app.add_option_function<std::vector<double>>(
-           "--sun",
-           [&settings](const std::vector<double>& angles) {
-               const double azimuth = radians_of(angles[0]), elevation = radians_of(angles[1]);
-               settings.to_sun = Vec3(std::cos(elevation) * std::sin(azimuth), std::sin(elevation),
-                                      -std::cos(elevation) * std::cos(azimuth));
-           },
-           "Azimuth and elevation of the sun in degrees, instead of the scene's: 215,12")
-        ->delimiter(',')
-        ->expected(2)
-        ->check(number_in(-360.0, 360.0));
-    const auto add_weather = [&](const char* name, float scene::Weather::*what, const char* about) {
-        app.add_option_function<double>(
-               name,
-               [&settings, what](double strength) {
-                   if (!settings.weather) settings.weather.emplace();
-                   (*settings.weather).*what = float(strength);
-               },
-               about)
-            ->check(number_in(0.0, 1.0));
-    };
-    add_weather("--rain", &scene::Weather::rain, "Rain instead of the scene's weather, 0 to 1");
-    add_weather("--snow", &scene::Weather::snow, "Snow instead of the scene's weather, 0 to 1");
-    app.add_option("--lamps-within-m", settings.lamps_within_m, "Lamps farther away light nothing; 0: none does")
-        ->check(number_in(0.0, 1e5));
-    app.add_flag("--no-sun-reuse{false}", settings.reuse_sun,
-                 "Cast a ray towards the sun from every pixel in every frame");
-    app.add_option("--sun-refresh", settings.sun_refresh_frames,
-                   "Frames in which reused light is looked at anew at least once; 0: never")
-        ->check(CLI::Range(0, 255));
-    add_reproject_options(app, settings);
-    app.add_flag("--no-panorama{false}", settings.use_panorama, "Never reuse the panoramic cache");
-    app.add_flag("--no-occlusion{false}", view.use_occlusion, "Draw near instances that others hide, too");
-    app.add_flag("--no-horizon{false}", settings.use_horizon, "Cast sky pixels like all others");
-    app.add_option("--max-error-px", view.max_error_px,
-                   "Take the fastest settings that 'ff accuracy' measured to be off by so many pixels at most")
-        ->check(number_in(0.0, 1e3));
-    app.add_option("--min-psnr", view.min_psnr_db,
-                   "Likewise: with at least so many dB against exact frames, in the worst frame")
-        ->check(number_in(0.0, 99.0));
-    app.add_flag("--deterministic", settings.deterministic, "Decide from recorded costs instead of measured ones");
-}
 
 }  // namespace
 
@@ -250,6 +56,7 @@ int run(int argc, const char* const* argv) {
     add_view_options(*walk_app, walk.view, true);
     walk_app->add_option("--out", walk.out, "Folder for frames, video and stats.json")->capture_default_str();
     walk_app->add_flag("--video", walk.video, "Also write a video (needs ffmpeg)");
+    walk_app->add_option("--trace", walk.trace, "Write a trace of all frames (ui.perfetto.dev, chrome://tracing)");
     walk_app->add_option("--every", walk.every, "Write every N-th frame as PNG; default: eight over the walk")
         ->check(CLI::Range(0, 1000000));
     auto* window_flag = walk_app->add_flag("--window", window, "Open a window, or fail");
@@ -267,6 +74,22 @@ int run(int argc, const char* const* argv) {
     bench_app->add_option("--laps", bench.laps, "Laps of each mode")->check(CLI::Range(1, 1000))->capture_default_str();
     bench_app->add_option("--frames", bench.max_frames, "Only the first N frames of the walk; 0: all")
         ->check(CLI::Range(0, 1000000));
+    bench_app->add_flag("--each-frame", bench.each_frame,
+                        "Report every frame, too, and pictures of the slowest: input of ff report");
+    bench_app->add_option("--trace", bench.trace, "Write a trace of the last lap (ui.perfetto.dev, chrome://tracing)");
+
+    BudgetOptions budget;
+    auto* budget_app = app.add_subcommand("budget", "Hold a walk to limits of time and work, or make them");
+    add_budget_options(*budget_app, budget);
+
+    CompareOptions compare;
+    auto* compare_app =
+        app.add_subcommand("compare", "Replay a session on two packs: frame times and images side by side");
+    add_compare_options(*compare_app, compare);
+
+    ReportOptions report;
+    auto* report_app = app.add_subcommand("report", "Make one HTML page of benches, budgets, replays and comparisons");
+    add_report_options(*report_app, report);
 
     StatsOptions stats;
     auto* stats_app = app.add_subcommand("stats", "Say which effects a walk calls for, why, and what they cost");
@@ -279,6 +102,8 @@ int run(int argc, const char* const* argv) {
         ->check(CLI::Range(0, 1000));
     stats_app->add_option("--pictures", stats.pictures,
                           "Folder for the picture that each effect changes most, with and without it");
+    stats_app->add_option("--table", stats.table,
+                          "Folder for effects.md: every effect's cost, and its picture with and without it");
     stats_app->add_flag("--json", stats.json, "Print one JSON object on stdout");
 
     HardcasesOptions hardcases;
@@ -325,6 +150,10 @@ int run(int argc, const char* const* argv) {
                          "Compare every tick with what was recorded; exit code 4 where it differs");
     replay_app->add_flag("--bench", replay.bench,
                          "Draw it, 30 frames a second of game time, and say how long frames took");
+    replay_app->add_flag("--each-frame", replay.each_frame,
+                         "With --bench: report every frame, too, and pictures of the slowest: input of ff report");
+    replay_app->add_option("--trace", replay.trace,
+                           "With --bench: write a trace of all frames (ui.perfetto.dev, chrome://tracing)");
     replay_app->add_option("--video", replay.video, "Draw it into a video (needs ffmpeg)");
     replay_app->add_option("--picture", replay.picture, "Draw the last frame into an image");
     replay_app->add_flag("--json", replay.json, "Print one JSON object on stdout");
@@ -369,6 +198,9 @@ int run(int argc, const char* const* argv) {
     if (*render_app) status = with_workers(render.view.threads, [&] { return run_render(render); });
     if (*walk_app) status = with_workers(walk.view.threads, [&] { return run_walk(walk); });
     if (*bench_app) status = with_workers(bench.view.threads, [&] { return run_bench(bench); });
+    if (*budget_app) status = with_workers(budget.view.threads, [&] { return run_budget(budget); });
+    if (*compare_app) status = with_workers(compare.threads, [&] { return run_compare(compare); });
+    if (*report_app) status = run_report(report);
     if (*play_app) status = run_play(play);
     if (*replay_app) status = with_workers(replay.threads, [&] { return run_replay(replay); });
     if (*stats_app) status = with_workers(stats.view.threads, [&] { return run_stats(stats); });

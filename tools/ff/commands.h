@@ -1,6 +1,7 @@
 #pragma once
 // The tool's subcommands, each a function from its options to a Status; the command line is read in command_line.cpp.
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
@@ -28,6 +29,8 @@ struct ViewOptions {
     frame::FrameSettings frame;
     bool use_occlusion = true;  ///< the hybrid's near field leaves out what is hidden
     int threads = 0;            ///< 0: all
+    /// Azimuth and elevation of the sun in degrees: instead of the scene's, and where it has moved by the walk's end.
+    std::optional<std::array<double, 2>> sun_deg, sun_to_deg;
     /// Errors that may be made: the fastest settings of the pack's accuracy table that keep them are taken.
     std::optional<double> max_error_px, min_psnr_db;
 };
@@ -61,7 +64,8 @@ struct WalkOptions {
     std::filesystem::path out = "out";
     bool video = false;
     WalkTarget target = WalkTarget::automatic;
-    int every = 0;  ///< PNG of every n-th frame; 0: eight over the walk
+    int every = 0;                ///< PNG of every n-th frame; 0: eight over the walk
+    std::filesystem::path trace;  ///< empty: none
 };
 Status run_walk(const WalkOptions& options);
 
@@ -69,15 +73,51 @@ struct BenchOptions {
     ViewOptions view;
     std::vector<std::string> modes;
     int laps = 3;
-    int max_frames = 0;  ///< 0: the whole walk
+    int max_frames = 0;           ///< 0: the whole walk
+    bool each_frame = false;      ///< report every frame, and pictures of the slowest, for ff report
+    std::filesystem::path trace;  ///< of the last lap; empty: none
 };
 Status run_bench(const BenchOptions& options);
+
+struct BudgetOptions {
+    ViewOptions view;
+    std::filesystem::path budget;  ///< to hold; empty: none
+    std::filesystem::path write;   ///< to make; empty: none
+    double margin_pct = 5.0;       ///< of what is made
+    int laps = 6, max_laps = 40;   ///< at least; at most, while a limit is missed
+    int max_frames = 0;            ///< 0: the whole walk
+    std::filesystem::path junit, trace;
+    std::filesystem::path keep;  ///< folder for what a miss leaves; empty: budget-miss, beside junit where there is one
+    bool json = false;
+};
+/// Errors: bad input; limit where the budget is missed.
+Status run_budget(const BudgetOptions& options);
+
+struct CompareOptions {
+    std::filesystem::path recording;
+    std::vector<std::string> packs;      ///< two, or sources
+    std::optional<std::uint64_t> until;  ///< ticks
+    int laps = 1;
+    std::filesystem::path out = "compare";  ///< folder of pictures
+    ImageSize size;
+    double budget_ms = 0.0;
+    int threads = 0;
+    bool json = false;
+};
+Status run_compare(const CompareOptions& options);
+
+struct ReportOptions {
+    std::vector<std::filesystem::path> inputs;  ///< JSON of bench, budget, replay or compare
+    std::filesystem::path output;
+};
+Status run_report(const ReportOptions& options);
 
 struct StatsOptions {
     ViewOptions view;
     int max_frames = 0;    ///< 0: the whole walk
     int compare_laps = 0;  ///< laps in which each effect's frames are drawn with and without it; 0: not compared
     std::filesystem::path pictures;  ///< folder for pictures with and without each effect; empty: none
+    std::filesystem::path table;     ///< folder for a page of all effects with their pictures; empty: none
     bool json = false;
 };
 Status run_stats(const StatsOptions& options);
@@ -118,6 +158,8 @@ struct ReplayOptions {
     std::optional<std::uint64_t> until;
     bool verify = false, bench = false, json = false;
     std::filesystem::path video, picture;  ///< of all frames, of the last; empty: none
+    std::filesystem::path trace;           ///< of the frames that --bench draws; empty: none
+    bool each_frame = false;               ///< report every frame that --bench draws, for ff report
     ImageSize size;
     double budget_ms = 0.0;
     int threads = 0;

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <vector>
 
 namespace ff::tool {
@@ -77,6 +78,19 @@ std::string roff_options(const CLI::App& command) {
     return out;
 }
 
+/// What stands under a command's options, as it stands.
+std::string roff_footer(const CLI::App& command) {
+    const std::string text = command.get_footer();
+    if (text.empty()) return {};
+    std::string out = ".PP\n.nf\n";
+    for (std::size_t at = 0; at < text.size();) {
+        const std::size_t end = std::min(text.find('\n', at), text.size());
+        out += roff(text.substr(at, end - at)) + "\n";
+        at = end + 1;
+    }
+    return out + ".fi\n";
+}
+
 /// A text in single quotes of the shell.
 std::string quoted(const std::string& text) {
     std::string out = "'";
@@ -99,7 +113,7 @@ std::string manual_page(const CLI::App& app) {
     out += ".SH DESCRIPTION\n" + roff(app.get_description()) + "\n.SH COMMANDS\n";
     for (const CLI::App* command : commands_of(app))
         out += fmt::format(".SS ff {}\n{}.\n{}", command->get_name(), roff(command->get_description()),
-                           roff_options(*command));
+                           roff_options(*command) + roff_footer(*command));
     out +=
         ".SH EXIT STATUS\n.TP\n.B 0\nall went well\n.TP\n.B 1\nthe system failed, or ff did\n.TP\n.B 2\n"
         "the command line is wrong\n.TP\n.B 3\na file is not what it should be; the message names file and place\n"

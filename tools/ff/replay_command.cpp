@@ -8,65 +8,77 @@
 #include "engine/core/stopwatch.h"
 #include "engine/host/frame_log.h"
 #include "engine/host/replay_session.h"
-#include "engine/host/view_drawer.h"
 #include "engine/scene/load_world.h"
 #include "game/beacons/beacons_game.h"
+#include "tools/ff/frame_recorder.h"
+#include "tools/ff/replay_drawer.h"
 #include "tools/ff/session.h"
 #include "tools/ff/video_writer.h"
+#include "tools/ff/walk_lap.h"
 #include "tools/picture/picture_file.h"
+#include "tools/report/worst_frames.h"
 
 namespace ff::tool {
 namespace {
 
-constexpr int kFramesPerSecond = 30;
-constexpr std::uint64_t kTicksPerFrame = host::kTicksPerSecond / kFramesPerSecond;
-
-/// Draws a replay as it goes.
-class ReplayDrawer {
+/// What a replay leaves of the frames that it draws.
+class ReplayFrames {
   public:
-    ReplayDrawer(const ReplayOptions& options, scene::World& world) : drawer_(world, nullptr), size_(options.size) {
-        settings_.budget_ms = options.budget_ms;
-    }
+    ReplayFrames(const ReplayOptions& options, scene::World& world, std::size_t frames)
+        : drawer_(world, options.size, options.budget_ms),
+          series_(frames),
+          worst_(options.each_frame ? kWorstPictures : 0),
+          trace_(options.trace.empty() ? 0 : frames),
+          traces_(!options.trace.empty()) {}
 
     Status open_video(const ReplayOptions& options) {
         FF_ASSIGN(VideoWriter video,
-                  VideoWriter::open(options.video, options.size.width, options.size.height, kFramesPerSecond));
+                  VideoWriter::open(options.video, options.size.width, options.size.height, kReplayFramesPerSecond));
         video_.emplace(std::move(video));
         return {};
     }
     /// @param ticks_s  seconds that the ticks since the last frame took: a frame's time has all of it
     Status draw(host::Game& game, double ticks_s) {
-        const Stopwatch clock;
-        game.show(0.0, view_);
-        FF_TRY(drawer_.draw(view_, size_.width, size_.height, settings_, image_));
-        log_.add(1e3 * (clock.seconds() + ticks_s), drawer_.renderer().plan().view.width, size_.width);
-        return video_ ? video_->add(image_) : Status{};
+        FF_TRY(drawer_.draw(game));
+        const double ms = drawer_.frame_ms() + 1e3 * ticks_s;
+        const std::size_t frame = log_.frames();
+        log_.add(ms, drawer_.plan().view.width, drawer_.plan().image_width);
+        series_.add(drawer_.view().camera, ms, report::work_of(drawer_.stats(), drawer_.allocations(), 0),
+                    drawer_.stats());
+        if (traces_) trace_.add(frame, drawer_.allocations(), drawer_.stats());
+        if (frame >= kWarmUpFrames && worst_.wants(frame, ms))
+            worst_.keep({.frame = frame, .ms = ms, .plan = to_text(drawer_.plan()), .image = drawer_.image()});
+        return video_ ? video_->add(drawer_.image()) : Status{};
     }
     /// What the host draws before a session is played: later frames reuse what it builds.
-    Status draw_before_play(host::Game& game) {
-        game.show(0.0, view_);
-        return drawer_.draw(view_, size_.width, size_.height, {}, image_);
-    }
-    [[nodiscard]] const shading::Image& image() const { return image_; }
+    Status draw_before_play(host::Game& game) { return drawer_.draw_exact(game); }
     Status close() { return video_ ? video_->close() : Status{}; }
+    [[nodiscard]] const shading::Image& image() const { return drawer_.image(); }
     [[nodiscard]] const host::FrameLog& log() const { return log_; }
+    [[nodiscard]] const debug::Trace& trace() const { return trace_; }
+    Status add_to(nlohmann::json& json) const {
+        json["frames"] = series_.to_json();
+        FF_ASSIGN(json["pictures"], report::to_json(worst_.pictures()));
+        return {};
+    }
 
   private:
-    host::ViewDrawer drawer_;
-    ImageSize size_;
-    frame::FrameSettings settings_;
-    host::GameView view_;
-    shading::Image image_;
+    ReplayDrawer drawer_;
     std::optional<VideoWriter> video_;
     host::FrameLog log_;
+    report::FrameSeries series_;
+    report::WorstFrames worst_;
+    debug::Trace trace_;
+    bool traces_;
 };
 
-void print_json(const replay::Recording& recording, std::uint64_t played, double tick_us,
-                const std::optional<host::Divergence>& divergence, const host::FrameLog* frames) {
+nlohmann::json report_of(const replay::Recording& recording, std::uint64_t played, double tick_us,
+                         const std::optional<host::Divergence>& divergence, const host::FrameLog* frames) {
     nlohmann::json markers = nlohmann::json::array();
     for (const replay::Marker& marker : recording.markers)
         markers.push_back({{"tick", marker.tick}, {"comment", marker.comment}});
-    nlohmann::json json{{"game", recording.header.game},
+    nlohmann::json json{{"kind", "replay"},
+                        {"game", recording.header.game},
                         {"pack", recording.header.pack},
                         {"ticks", recording.commands.size()},
                         {"played", played},
@@ -86,12 +98,14 @@ void print_json(const replay::Recording& recording, std::uint64_t played, double
                             {"max", frames->worst_ms()},
                             {"coarser_share", frames->coarser_share()},
                             {"coarsest", frames->coarsest()}};
-    std::printf("%s\n", json.dump(1).c_str());
+    return json;
 }
 
 }  // namespace
 
 Status run_replay(const ReplayOptions& options) {
+    if (!options.bench && (options.each_frame || !options.trace.empty()))
+        return usage_error("--each-frame and --trace are of the frames that --bench draws: it is missing");
     FF_ASSIGN(const replay::Recording recording, replay::load_recording(options.recording));
     if (!recording.closed)
         log_info("{}: was not closed in order; {} ticks, the last one {}", options.recording.string(),
@@ -102,11 +116,12 @@ Status run_replay(const ReplayOptions& options) {
     auto session = host::ReplaySession::begin(beacons::game_info(), *world, recording);
     if (!session) return bad_input(fmt::format("{}: {}", options.recording.string(), session.error().message));
 
-    std::optional<ReplayDrawer> drawer;
-    if (options.bench || !options.video.empty()) drawer.emplace(options, *world);
+    const std::uint64_t end = std::min<std::uint64_t>(options.until.value_or(UINT64_MAX), recording.commands.size());
+    const std::size_t frames = end / kTicksPerFrame + 2;
+    std::optional<ReplayFrames> drawer;
+    if (options.bench || !options.video.empty()) drawer.emplace(options, *world, frames);
     if (!options.video.empty()) FF_TRY(drawer->open_video(options));
     if (drawer) FF_TRY(drawer->draw_before_play(session->game()));
-    const std::uint64_t end = std::min<std::uint64_t>(options.until.value_or(UINT64_MAX), recording.commands.size());
     double tick_s = 0.0, tick_s_of_frame = 0.0;
     {
         Progress progress("replaying", end);
@@ -123,13 +138,18 @@ Status run_replay(const ReplayOptions& options) {
     }
     if (drawer) FF_TRY(drawer->close());
     if (!options.picture.empty()) {
-        if (!drawer) drawer.emplace(options, *world);
+        if (!drawer) drawer.emplace(options, *world, frames);
         FF_TRY(drawer->draw(session->game(), 0.0));
         FF_TRY(write_image(options.picture, drawer->image()));
     }
     const double tick_us = 1e6 * tick_s / double(std::max<std::uint64_t>(1, session->tick()));
-    if (options.json)
-        print_json(recording, session->tick(), tick_us, session->divergence(), drawer ? &drawer->log() : nullptr);
+    if (drawer && !options.trace.empty()) FF_TRY(write_trace(options.trace, drawer->trace()));
+    if (options.json) {
+        nlohmann::json json =
+            report_of(recording, session->tick(), tick_us, session->divergence(), drawer ? &drawer->log() : nullptr);
+        if (drawer && options.each_frame) FF_TRY(drawer->add_to(json));
+        std::printf("%s\n", json.dump(1).c_str());
+    }
     log_info("{} of {} ticks, {:.1f} us each", session->tick(), recording.commands.size(), tick_us);
     if (drawer) log_info("{}", drawer->log().to_text());
     log_info("{}", session->game().status());

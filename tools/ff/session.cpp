@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <optional>
 
@@ -118,6 +120,9 @@ Result<std::unique_ptr<Session>> Session::open(const ViewOptions& options, std::
     FF_ASSIGN(session->world_, open_world(options.pack));
     FF_ASSIGN(session->walk_, find_walk(*session->world_, options.walk));
     FF_ASSIGN(session->settings_, chosen_settings(options, *session->world_, session->walk_));
+    session->sun_deg_ = options.sun_deg;
+    session->sun_to_deg_ = options.sun_to_deg;
+    session->settings_.to_sun = session->settings_at(0).to_sun;
     session->casters_ = std::make_unique<frame::Casters>(session->world_->scene());
     session->moving_.emplace(*session->world_);
 
@@ -140,13 +145,25 @@ Result<std::unique_ptr<Session>> Session::open(const ViewOptions& options, std::
 }
 
 std::span<const scene::Instance> Session::dynamic(std::size_t frame, const ImageSize& size) {
-    return moving_->at(double(frame) / walk_.rate_hz, walk_.camera(frame), size);
+    return moving_->at(time_s(frame), walk_.camera(frame), size);
 }
 
 frame::FrameSettings Session::settings_at(std::size_t frame) const {
     frame::FrameSettings settings = settings_;
-    settings.time_s = double(frame) / walk_.rate_hz;
+    set_time(frame, settings);
     return settings;
+}
+
+void Session::set_time(std::size_t frame, frame::FrameSettings& settings) const {
+    settings.time_s = time_s(frame);
+    if (sun_deg_) {
+        const std::array<double, 2>& to = sun_to_deg_.value_or(*sun_deg_);
+        const double part = double(frame) / double(std::max<std::size_t>(walk_.frames.size() - 1, 1));
+        const double azimuth = radians_of(std::lerp((*sun_deg_)[0], to[0], part));
+        const double elevation = radians_of(std::lerp((*sun_deg_)[1], to[1], part));
+        settings.to_sun = Vec3(std::cos(elevation) * std::sin(azimuth), std::sin(elevation),
+                               -std::cos(elevation) * std::cos(azimuth));
+    }
 }
 
 nearfield::NearRenderer* Session::near_renderer() {

@@ -1,6 +1,7 @@
 #pragma once
 // A world opened for drawing, as the drawing subcommands share it.
 
+#include <array>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -58,10 +59,13 @@ class Session {
     [[nodiscard]] const scene::Walk& walk() const { return walk_; }
     /// What the options ask for, see chosen_settings.
     [[nodiscard]] const frame::FrameSettings& settings() const { return settings_; }
-    /// The same at the time of a frame of the walk.
+    /// The time of a frame of the walk: its number over the walk's rate.
+    [[nodiscard]] double time_s(std::size_t frame) const { return double(frame) / walk_.rate_hz; }
+    /// What the options ask for at the time of a frame of the walk.
     [[nodiscard]] frame::FrameSettings settings_at(std::size_t frame) const;
-    /// What moves, at a frame of the walk: its time is the frame's number over the walk's rate. Good until the next
-    /// call.
+    /// The same for settings of whatever kind: its time, and where the sun stands then.
+    void set_time(std::size_t frame, frame::FrameSettings& settings) const;
+    /// What moves, at the time of a frame of the walk. Good until the next call.
     [[nodiscard]] std::span<const scene::Instance> dynamic(std::size_t frame, const ImageSize& size);
     [[nodiscard]] frame::Casters& casters() { return *casters_; }
     [[nodiscard]] nearfield::NearRenderer* near_renderer();
@@ -75,6 +79,7 @@ class Session {
     std::unique_ptr<scene::World> world_;
     scene::Walk walk_;
     frame::FrameSettings settings_;
+    std::optional<std::array<double, 2>> sun_deg_, sun_to_deg_;
     std::optional<MovingModels> moving_;
     std::string gl_name_ = "none";
     bool gl_is_software_ = false;

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "engine/nearfield/near_renderer.h"
+#include "tools/ff/effect_table.h"
 #include "tools/ff/effect_walk.h"
 #include "tools/picture/picture_file.h"
 
@@ -74,16 +75,26 @@ Status run_stats(const StatsOptions& options) {
               Session::open(options.view, std::span(&options.view.frame.mode, 1)));
     const std::size_t all = session->walk().frames.size();
     const std::size_t frames = options.max_frames > 0 ? std::min(std::size_t(options.max_frames), all) : all;
-    const EffectWalk walk = walk_effects(*session, options.view.size, frames);
+    FF_ASSIGN(const EffectWalk walk, walk_effects(*session, options.view.size, frames));
+    const bool wants_table = !options.table.empty();
     // Pictures alone are those of one lap.
-    const int laps = std::max(options.compare_laps, options.pictures.empty() ? 0 : 1);
+    const int laps = std::max(options.compare_laps, options.pictures.empty() && !wants_table ? 0 : 1);
     std::vector<EffectDifference> differences;
-    if (laps > 0) differences = compare_effects(*session, options.view.size, frames, laps, walk);
+    if (laps > 0) differences = compare_effects(*session, options.view.size, frames, laps, walk, wants_table);
     if (!options.pictures.empty()) FF_TRY(write_pictures(options.pictures, differences));
+    if (wants_table) {
+        FF_TRY(write_pictures(options.table, differences));
+        FF_TRY(write_effect_table(options.table / "effects.md", {session->world().info().name, session->walk().name},
+                                  laps, walk, differences));
+    }
 
     json report{
         {"scene", session->world().info().name}, {"walk", session->walk().name},       {"frames", frames},
         {"width", options.view.size.width},      {"height", options.view.size.height}, {"effects", json::array()}};
+    report["frame_ms"] = {{"median", walk.median_ms}, {"p99", walk.p99_ms}, {"max", walk.max_ms}};
+    report["changes"] = {{"frames", walk.changes},
+                         {"p99_ms", walk.change_p99_ms},
+                         {"most_allocations_elsewhere", walk.most_allocations}};
     for (const effects::Effect& effect : effects::registry()) {
         const auto difference = std::find_if(differences.begin(), differences.end(),
                                              [&](const EffectDifference& d) { return d.id == effect.id; });

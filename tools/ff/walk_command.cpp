@@ -9,9 +9,11 @@
 #include "engine/core/quantile.h"
 #include "engine/core/write_file.h"
 #include "engine/platform/output.h"
+#include "tools/ff/frame_recorder.h"
 #include "tools/ff/session.h"
 #include "tools/ff/stats_json.h"
 #include "tools/ff/video_writer.h"
+#include "tools/ff/walk_lap.h"
 #include "tools/ff/walk_window.h"
 #include "tools/picture/picture_file.h"
 
@@ -48,22 +50,24 @@ Status walk_headless(const WalkOptions& options) {
     nlohmann::json frames = nlohmann::json::array();
     std::vector<double> times;
     std::size_t pictures = 0;
+    debug::Trace trace(options.trace.empty() ? 0 : walk.frames.size());
     {
         Progress progress("walking", walk.frames.size());
-        for (std::size_t f = 0; f < walk.frames.size(); ++f) {
-            const frame::FrameStats& stats =
-                renderer->draw(walk.camera(f), session->dynamic(f, options.view.size), session->settings_at(f), image);
-            FF_TRY(renderer->refusal());
-            frames.push_back(to_json(stats));
-            times.push_back(stats.frame_ms);
-            if (f % every == 0) {
-                FF_TRY(write_image(options.out / fmt::format("frame{:05}.png", f), image));
+        const auto keep = [&](const LapFrame& drawn) -> Status {
+            frames.push_back(to_json(drawn.stats));
+            times.push_back(drawn.stats.frame_ms);
+            if (!options.trace.empty()) trace.add(drawn.frame, drawn.allocations, drawn.stats);
+            if (drawn.frame % every == 0) {
+                FF_TRY(write_image(options.out / fmt::format("frame{:05}.png", drawn.frame), image));
                 ++pictures;
             }
             if (video) FF_TRY(video->add(image));
             progress.advance();
-        }
+            return {};
+        };
+        FF_TRY(draw_lap(*session, *renderer, session->settings(), options.view.size, walk.frames.size(), image, keep));
     }
+    if (!options.trace.empty()) FF_TRY(write_trace(options.trace, trace));
     if (video) FF_TRY(video->close());
 
     const double median = median_of(times), p99 = quantile_of(times, 0.99);

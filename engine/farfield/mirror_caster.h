@@ -1,0 +1,43 @@
+#pragma once
+// What a flat mirror shows: the view of the eye's image behind it, of which only what lies beyond the mirror counts.
+
+#include <span>
+
+#include "engine/farfield/beam_caster.h"
+#include "engine/farfield/ray_caster.h"
+
+namespace ff::farfield {
+
+/// A plane that mirrors.
+struct MirrorPlane {
+    Vec3 normal{0.0f, 1.0f, 0.0f};  ///< unit, world, on the side of the eye
+    double height_m = 0.0;          ///< of the eye above it; > 0
+};
+
+/// The view of the eye's image. Its pixel (x, y) lies on that of the eye, so that a ray's depth is that of the way from
+/// the eye to the mirror and on.
+/// @param step  so many pixels of the view, along a side, are one
+[[nodiscard]] PinholeView mirrored_view(const PinholeView& view, const MirrorPlane& plane, int step);
+
+/// The mirror before that view.
+/// @param lift_m  so much nearer to the eye: what the mirror is made of lies within
+[[nodiscard]] DepthPlane mirror_before(const PinholeView& mirrored, const MirrorPlane& plane, double lift_m);
+
+/// Tile beams that begin at a plane. Unlike a RayCaster's begin, which is a hint, this is strict: an eye behind a
+/// water's surface stands in the ground.
+/// Threads: as RayCaster.
+class MirrorCaster {
+  public:
+    /// @param scene  looked up anew in each cast; must outlive this
+    explicit MirrorCaster(const scene::StaticScene& scene) : scene_(scene) {}
+
+    /// As RayCaster::cast_tiles(), without anything nearer than the plane.
+    CastCost cast(const PinholeView& view, const DepthPlane& plane, std::span<const TileRequest> tiles,
+                  VisibilityBuffer& out);
+
+  private:
+    const scene::StaticScene& scene_;
+    beam::BeamRequests requests_;
+};
+
+}  // namespace ff::farfield
