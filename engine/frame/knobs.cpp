@@ -122,7 +122,7 @@ const std::array kKnobs{
     Knob{.name = "reflection_rays",
          .unit = "rays",
          .about = "Rays a frame, about, for what water and glass mirror; none: the sky alone.",
-         .default_value = 24'000.0,
+         .default_value = 6'000.0,
          .values = kReflectionRays,
          .set = [](FrameSettings& s, double v) { s.reflection_rays = std::uint64_t(v); },
          .scope = KnobScope::all,

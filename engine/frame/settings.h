@@ -65,9 +65,9 @@ struct FrameSettings {
     float fall_density = 1.0f;  ///< share of drops and flakes that are drawn. [0, 1]
     /// Rays a frame, about, for what water and glass mirror: as many pixels share one as that takes, up to 8 x 8. 0:
     /// they mirror the sky alone.
-    std::uint64_t reflection_rays = 24'000;
+    std::uint64_t reflection_rays = 6'000;
     /// Glass and metal farther from the eye than this mirror the sky alone. Metres, (0, 100,000].
-    float reflections_within_m = 120.0f;
+    float reflections_within_m = 60.0f;
     effects::EffectSet without_effects = 0;  ///< these are off, whatever calls for them
     int sun_refresh_frames = 32;  ///< reused light is looked at anew at least once in so many. [0, 255]; 0: never
     float resolution = 1.0f;      ///< share of the image's sides that is drawn; enlarged to be shown. [0.25, 1]
