@@ -51,8 +51,12 @@ TEST(Trace, is_json_with_times_that_go_forward_and_slices_that_nest) {
         auto& ends = open[{event.at("pid").get<int>(), event.at("tid").get<int>()}];
         while (!ends.empty() && ends.back() <= begin) ends.pop_back();
         const double end = begin + event.at("dur").get<double>();
-        if (!ends.empty()) EXPECT_LE(end, ends.back() + 1e-6) << event;
-        if (event.at("cat") == "pass") EXPECT_EQ(ends.size(), 1u) << "a pass lies in its frame: " << event;
+        if (!ends.empty()) {
+            EXPECT_LE(end, ends.back() + 1e-6) << event;
+        }
+        if (event.at("cat") == "pass") {
+            EXPECT_EQ(ends.size(), 1u) << "a pass lies in its frame: " << event;
+        }
         ends.push_back(end);
     }
     EXPECT_EQ(counts["X frame 0"], 2);
