@@ -118,7 +118,7 @@ Result<bool> play_session(Player& player, const scene::World& world, double seco
     loop::UserCommand wish;
     while (Clock::now() < end) {
         FF_ASSIGN(const replay::Recording so_far, replay::load_recording(path));
-        for (std::size_t t = game->ticks(); t < so_far.digests.size(); ++t) {
+        for (std::size_t t = game->ticks(); t < so_far.commands.size(); ++t) {
             wish = advisor->next();
             game->tick(so_far.commands[t]);
             if (game->stage() != host::Stage::playing) break;

@@ -122,8 +122,11 @@ TEST(Window, the_game_is_won_by_keys_and_mouse_from_title_to_end) {
             WINDOW_PLAYER + " " + FF_BINARY + " " + hamlet_pack().string() + " " + folder.string() + " " +
             pictures.string() + " 120");
     ASSERT_EQ(result.exit_code, 0) << result.out << result.err;
-    for (const char* stage : {"00-title", "01-begun", "02-end"})
-        EXPECT_TRUE(std::filesystem::exists(pictures / (std::string(stage) + ".png"))) << stage;
+    // Between them may lie others, of the spyglass and of what was lit, as time allowed.
+    bool has_end = false;
+    for (const auto& entry : std::filesystem::directory_iterator(pictures))
+        has_end |= entry.path().filename().string().find("-end.png") != std::string::npos;
+    EXPECT_TRUE(has_end);
     EXPECT_LT(psnr_db(pictures / "00-title.png", pictures / "01-begun.png"), 40.0);
     EXPECT_EQ(run_ff("replay " + (folder / "recordings/beacons-1.ffreplay").string() + " --verify").exit_code, 0);
 }

@@ -11,7 +11,7 @@ grep -q "not empty" refused
 if grep -rnE "@NAME@|@TITLE@" quiet-hills --include='*' -I; then echo "the template's own words are left"; exit 1; fi
 if "$ff" new other --name "Quiet Hills" 2>refused; then echo "ff new took a name that no package can have"; exit 1; fi
 words=$(bash -c 'source <("$1" completion bash); COMP_WORDS=(ff re); COMP_CWORD=1; _ff; echo "${COMPREPLY[*]}"' bash "$ff")
-[ "$words" = "render replay" ] || { echo "'ff re' is completed to '$words'; expected render and replay"; exit 1; }
+[ "$words" = "render report replay" ] || { echo "'ff re' is completed to '$words'; expected render, report and replay"; exit 1; }
 "$ff" package quiet-hills -o packages
 ctest --test-dir quiet-hills/build/package --output-on-failure
 ls -l packages

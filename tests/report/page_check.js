@@ -1,5 +1,5 @@
 // Runs in the report's page after its own script: uses every control and writes what it found into the document's title.
-(function () {
+(async function () {
   const problems = [];
   const expect = (condition, text) => { if (!condition) problems.push(text); };
   const get = (id) => document.getElementById(id);
@@ -27,8 +27,8 @@
     choose(get('run'), budget);
     expect(time !== hash(get('time')), 'the run does not change');
     expect(document.querySelectorAll('#worst figure').length > 0, 'no slow frames');
-    document.querySelectorAll('#worst img, #compare img').forEach((image) =>
-      expect(image.complete && image.naturalWidth > 0, `${image.alt} does not load`));
+    for (const image of document.querySelectorAll('#worst img, #compare img'))
+      await image.decode().catch(() => expect(false, `${image.alt} does not load`));
     expect(document.querySelectorAll('#compare img').length === 3, 'no pictures of the comparison');
     expect(document.querySelector('#worst pre').textContent.includes('mode hybrid'), 'no plan');
     document.querySelector('#worst button').click();
