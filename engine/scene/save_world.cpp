@@ -72,7 +72,8 @@ flatbuffers::DetachedBuffer world_table(const SceneData& scene, const WorldInfo&
                                    info.source_bytes, dynamic_instances, walk_list, scene.environment.sun_shadows,
                                    scene.environment.atmosphere.turbidity, scene.environment.atmosphere.brightness,
                                    scene.environment.weather.rain, scene.environment.weather.snow,
-                                   scene.environment.weather.wind_m_s.x, scene.environment.weather.wind_m_s.y, lamps, place_list));
+                                   scene.environment.weather.wind_m_s.x, scene.environment.weather.wind_m_s.y, lamps,
+                                   place_list));
     return builder.Release();
 }
 
