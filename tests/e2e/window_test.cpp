@@ -7,6 +7,12 @@
 namespace ff::test {
 namespace {
 
+/// Runs a command on a virtual display of its own, with a cache of this test's.
+ProcessResult run_on_display(const std::string& command) {
+    return run("XDG_CACHE_HOME=" + (scratch() / "cache").string() +
+               " timeout 250 xvfb-run -a -s '-screen 0 800x600x24' " + command);
+}
+
 TEST(Window, keys_move_the_camera_and_escape_ends) {
     if (run("command -v xvfb-run && command -v xdotool").exit_code != 0)
         GTEST_SKIP() << "xvfb-run or xdotool is not installed (tools/setup installs both)";
@@ -33,9 +39,8 @@ sleep 0.5
 xdotool keydown --window "$window" Escape  # no key up: the window is gone by then
 wait $tool
 )");
-    const ProcessResult result = run("XDG_CACHE_HOME=" + (scratch() / "cache").string() +
-                                     " timeout 200 xvfb-run -a -s '-screen 0 800x600x24' bash " + script.string() +
-                                     " " + hamlet_pack().string() + " " + out.string());
+    const ProcessResult result =
+        run_on_display("bash " + script.string() + " " + hamlet_pack().string() + " " + out.string());
     ASSERT_EQ(result.exit_code, 0) << result.out << result.err;
     const double psnr = psnr_db(out / "picture1.png", out / "picture2.png");
     EXPECT_LT(psnr, 35.0) << "the picture did not change while W was held";
@@ -65,9 +70,8 @@ sleep 1
 xdotool keydown --window "$window" Return  # no key up: the window is gone by then
 wait $tool
 )");
-    const ProcessResult result = run("XDG_CACHE_HOME=" + (scratch() / "cache").string() +
-                                     " timeout 200 xvfb-run -a -s '-screen 0 800x600x24' bash " + script.string() +
-                                     " " + hamlet_pack().string() + " " + folder.string());
+    const ProcessResult result =
+        run_on_display("bash " + script.string() + " " + hamlet_pack().string() + " " + folder.string());
     ASSERT_EQ(result.exit_code, 0) << result.out << result.err;
     const ProcessResult replay =
         run_ff("replay " + (folder / "recordings/beacons-1.ffreplay").string() + " --verify --json");
@@ -107,9 +111,8 @@ xdotool key --window "$window" Up; sleep 1
 xdotool keydown --window "$window" Return
 wait $tool
 )");
-    const ProcessResult result = run("XDG_CACHE_HOME=" + (scratch() / "cache").string() +
-                                     " timeout 250 xvfb-run -a -s '-screen 0 800x600x24' bash " + script.string() +
-                                     " " + source.string() + " " + (scratch() / "shaders").string());
+    const ProcessResult result =
+        run_on_display("bash " + script.string() + " " + source.string() + " " + (scratch() / "shaders").string());
     EXPECT_EQ(result.exit_code, 0) << result.out << result.err << read_file(source / "log");
 }
 
@@ -118,9 +121,8 @@ TEST(Window, the_game_is_won_by_keys_and_mouse_from_title_to_end) {
         GTEST_SKIP() << "xvfb-run, xdotool or ffmpeg is not installed (tools/setup installs them)";
     const auto folder = scratch() / "winner", pictures = scratch() / "pictures";
     const ProcessResult result =
-        run("XDG_CACHE_HOME=" + (scratch() / "cache").string() + " timeout 250 xvfb-run -a -s '-screen 0 800x600x24' " +
-            WINDOW_PLAYER + " " + FF_BINARY + " " + hamlet_pack().string() + " " + folder.string() + " " +
-            pictures.string() + " 120");
+        run_on_display(std::string(WINDOW_PLAYER) + " " + FF_BINARY + " " + hamlet_pack().string() + " " +
+                       folder.string() + " " + pictures.string() + " 120");
     ASSERT_EQ(result.exit_code, 0) << result.out << result.err;
     // Between them may lie others, of the spyglass and of what was lit, as time allowed.
     bool has_end = false;
