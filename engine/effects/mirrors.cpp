@@ -17,6 +17,7 @@ using farfield::kSkyInstance;
 using farfield::kTileSize;
 
 constexpr std::uint8_t kNone = 0xFF;
+constexpr std::uint32_t kNoTriangle = 0xFFFFFFFFu;
 constexpr std::size_t kMostPlanes = 96;    // looked at before the largest are kept
 constexpr std::uint32_t kLeastPixels = 3;  // a plane with fewer is not worth a cast of its own
 /// Mirrors whose planes are so near to each other are one: panes of a front.
@@ -71,22 +72,55 @@ Facet facet_of(const MirrorInput& input, std::uint32_t id, std::uint32_t triangl
             .exists = height > 1e-3};
 }
 
+/// Whether something in a square of the view may mirror: mostly few things stand in it, and none does.
+bool may_mirror(const MirrorInput& input, int x0, int y0, int side, MirrorTest& test) {
+    const farfield::VisibilityBuffer& seen = input.visibility;
+    std::uint32_t last = kSkyInstance;
+    MirrorFlags flags = 0;
+    for (int y = y0; y < std::min(y0 + side, seen.height); ++y) {
+        const std::size_t row = seen.index(0, y);
+        for (std::size_t at = row + std::size_t(x0); at < row + std::size_t(std::min(x0 + side, seen.width)); ++at) {
+            if (seen.instance[at] != last) {
+                last = seen.instance[at];
+                flags = test.flags_of(last);
+            }
+            if (flags != 0 && ((flags & scene::kMaterialWater) != 0 || seen.depth[at] < input.within_m)) return true;
+        }
+    }
+    return false;
+}
+
 }  // namespace
 
-bool MirrorTest::operator()(std::uint32_t instance, std::uint32_t triangle) {
-    if (instance == instance_ && (triangle == triangle_ || !has_mirrors_)) return is_mirror_;
-    if (instance != instance_) {
-        const scene::Instance* const seen = instance_of(scene_, dynamic_, instance);
-        mesh_ = seen != nullptr ? &scene_.meshes[seen->mesh] : nullptr;
-        constexpr std::uint32_t kMirrors = scene::kMaterialWater | scene::kMaterialMirror;
-        has_mirrors_ = mesh_ != nullptr && (mesh_->material_flags & kMirrors) != 0;
-    }
+MirrorFlags MirrorTest::flags_of(std::uint32_t instance) {
+    if (instance == instance_) return flags_;
     instance_ = instance;
+    triangle_ = kNoTriangle;
+    kind_ = MirrorKind::none;
+    const scene::Instance* const seen = instance_of(scene_, dynamic_, instance);
+    mesh_ = seen != nullptr ? &scene_.meshes[seen->mesh] : nullptr;
+    flags_ = mesh_ != nullptr ? mesh_->material_flags & (scene::kMaterialWater | scene::kMaterialMirror) : 0;
+    return flags_;
+}
+
+MirrorKind MirrorTest::operator()(std::uint32_t instance, std::uint32_t triangle) {
+    if (flags_of(instance) == 0 || triangle == triangle_) return kind_;
     triangle_ = triangle;
-    is_mirror_ =
-        has_mirrors_ && triangle < mesh_->triangle_count &&
-        scene::is_mirror(scene_.materials[scene_.triangle_materials[std::size_t(mesh_->first_triangle) + triangle]]);
-    return is_mirror_;
+    kind_ = MirrorKind::none;
+    if (triangle >= mesh_->triangle_count) return kind_;
+    const scene::Material& material =
+        scene_.materials[scene_.triangle_materials[std::size_t(mesh_->first_triangle) + triangle]];
+    if (scene::is_mirror(material))
+        kind_ = (material.flags & scene::kMaterialWater) != 0 ? MirrorKind::water : MirrorKind::glass;
+    return kind_;
+}
+
+bool mirrors_within(MirrorTest& kind_of, const farfield::VisibilityBuffer& seen, std::size_t at, float within_m) {
+    const MirrorFlags flags = kind_of.flags_of(seen.instance[at]);
+    const bool is_far = !(seen.depth[at] < within_m);
+    if (flags == 0 || (is_far && (flags & scene::kMaterialWater) == 0)) return false;
+    const MirrorKind kind = kind_of(seen.instance[at], seen.triangle[at]);
+    return kind == MirrorKind::water || (kind == MirrorKind::glass && !is_far);
 }
 
 Mirrors::Mirrors(int width, int height) {
@@ -94,42 +128,87 @@ Mirrors::Mirrors(int width, int height) {
     const std::size_t pixels = tiles * std::size_t(kTileSize) * std::size_t(kTileSize);
     for (auto* names : {&instance_, &triangle_}) names->resize(pixels);
     for (auto* planes : {&plane_, &widened_}) planes->resize(pixels);
+    has_mirrors_.resize(tiles);
+    for (auto* lists : {&mirror_tiles_, &wide_tiles_}) lists->reserve(tiles);
     planes_.reserve(kMostPlanes);
-    tiles_.reserve(tiles * kMost);
+    for (auto& list : tiles_) list.reserve(tiles);
 }
 
 std::uint64_t Mirrors::find(const MirrorInput& input, int step) {
     width_ = (input.view.width + step - 1) / step;
     height_ = (input.view.height + step - 1) / step;
-    stride_ = tiles_along(width_) * kTileSize;
+    tiles_x_ = tiles_along(width_);
+    tiles_y_ = tiles_along(height_);
+    stride_ = tiles_x_ * kTileSize;
+    has_mirrors_.resize(std::size_t(tiles_x_) * std::size_t(tiles_y_));
     probe(input, step);
+    list_tiles();
     assign_planes(input, step);
     keep_largest();
     widen();
     return collect_tiles();
 }
 
+/// Calls visit(x, y, index) for the pixels of a tile of the reduced image.
+template <class Visit>
+void Mirrors::visit_pixels(std::uint32_t tile, Visit&& visit) const {
+    const int x0 = int(tile) % tiles_x_ * kTileSize, y0 = int(tile) / tiles_x_ * kTileSize;
+    for (int y = y0; y < std::min(y0 + kTileSize, height_); ++y)
+        for (int x = x0; x < std::min(x0 + kTileSize, width_); ++x)
+            visit(x, y, std::size_t(y) * std::size_t(stride_) + std::size_t(x));
+}
+
 void Mirrors::probe(const MirrorInput& input, int step) {
     // Four probes a pixel at most: what is smaller than half of it may be missed.
     const int probes = std::min(step, 2), apart = step / probes, first = apart / 2;
-    parallel_ranges(std::size_t(height_), 8, [&](std::size_t begin, std::size_t end) {
-        MirrorTest is_mirror(input.scene, input.dynamic);
-        for (std::size_t y = begin; y < end; ++y) {
-            std::uint32_t* const instances = instance_.data() + y * std::size_t(stride_);
-            std::uint32_t* const triangles = triangle_.data() + y * std::size_t(stride_);
-            for (int x = 0; x < width_; ++x) {
-                instances[x] = kSkyInstance;
-                for (int k = 0; k < probes * probes && instances[x] == kSkyInstance; ++k) {
+    const farfield::VisibilityBuffer& seen = input.visibility;
+    const auto mirrors_at = [&](MirrorTest& kind_of, std::size_t at) {
+        return mirrors_within(kind_of, seen, at, input.within_m);
+    };
+    const bool looks_first = probes * probes == step * step;  // else there are fewer probes than pixels to look at
+    const std::size_t tiles_per_task = step == 1 ? 32 : 4;
+    parallel_ranges(has_mirrors_.size(), tiles_per_task, [&](std::size_t begin, std::size_t end) {
+        MirrorTest kind_of(input.scene, input.dynamic);
+        for (std::size_t t = begin; t < end; ++t) {
+            const int side = kTileSize * step;
+            const int x0 = int(t) % tiles_x_ * side, y0 = int(t) / tiles_x_ * side;
+            has_mirrors_[t] = 0;
+            if (looks_first && !may_mirror(input, x0, y0, side, kind_of)) continue;
+            bool any = false;
+            visit_pixels(std::uint32_t(t), [&](int x, int y, std::size_t to) {
+                instance_[to] = kSkyInstance;
+                for (int k = 0; k < probes * probes; ++k) {
                     const int px = std::min(x * step + first + k % probes * apart, input.view.width - 1);
-                    const int py = std::min(int(y) * step + first + k / probes * apart, input.view.height - 1);
-                    const std::size_t at = input.visibility.index(px, py);
-                    if (!is_mirror(input.visibility.instance[at], input.visibility.triangle[at])) continue;
-                    instances[x] = input.visibility.instance[at];
-                    triangles[x] = input.visibility.triangle[at];
+                    const int py = std::min(y * step + first + k / probes * apart, input.view.height - 1);
+                    const std::size_t at = seen.index(px, py);
+                    if (!mirrors_at(kind_of, at)) continue;
+                    instance_[to] = seen.instance[at];
+                    triangle_[to] = seen.triangle[at];
+                    any = true;
+                    break;
                 }
-            }
+            });
+            has_mirrors_[t] = std::uint8_t(any);
         }
     });
+}
+
+/// Tiles with mirrors, and those with a mirror's pixel beside them.
+void Mirrors::list_tiles() {
+    mirror_tiles_.clear();
+    wide_tiles_.clear();
+    for (int y = 0; y < tiles_y_; ++y)
+        for (int x = 0; x < tiles_x_; ++x) {
+            const auto tile = std::uint32_t(y * tiles_x_ + x);
+            unsigned near = 0;
+            for (int ny = std::max(0, y - 1); ny <= std::min(tiles_y_ - 1, y + 1); ++ny)
+                for (int nx = std::max(0, x - 1); nx <= std::min(tiles_x_ - 1, x + 1); ++nx)
+                    near |= has_mirrors_[std::size_t(ny * tiles_x_ + nx)];
+            if (has_mirrors_[tile] != 0) mirror_tiles_.push_back(tile);
+            if (near == 0) continue;
+            wide_tiles_.push_back(tile);
+            if (has_mirrors_[tile] == 0) visit_pixels(tile, [&](int, int, std::size_t at) { plane_[at] = kNone; });
+        }
 }
 
 std::uint8_t Mirrors::find_plane(const farfield::MirrorPlane& plane) {
@@ -148,30 +227,28 @@ void Mirrors::assign_planes(const MirrorInput& input, int step) {
     std::uint32_t instance = kSkyInstance, triangle = 0;
     Facet facet;
     std::uint8_t plane = kNone;
-    for (int y = 0; y < height_; ++y) {
-        const std::size_t row = std::size_t(y) * std::size_t(stride_);
-        for (int x = 0; x < width_; ++x) {
-            const std::size_t at = row + std::size_t(x);
+    for (const std::uint32_t tile : mirror_tiles_) {
+        visit_pixels(tile, [&](int x, int y, std::size_t at) {
             plane_[at] = kNone;
-            if (instance_[at] == kSkyInstance) continue;
+            if (instance_[at] == kSkyInstance) return;
             if (instance_[at] != instance || triangle_[at] != triangle) {
                 instance = instance_[at];
                 triangle = triangle_[at];
                 facet = facet_of(input, instance, triangle);
                 plane = kNone;
             }
-            if (!facet.exists) continue;
+            if (!facet.exists) return;
             const Vec3 ray = input.view.direction(std::min(x * step + step / 2, input.view.width - 1),
                                                   std::min(y * step + step / 2, input.view.height - 1));
             const float slope = -glm::dot(ray, facet.plane.normal);
-            if (facet.fades && !(facet.plane.height_m < double(input.within_m) * double(slope))) continue;
-            if (!(shading::reflection_share(slope / glm::length(ray), facet.f0) > 0.0f)) continue;
+            if (facet.fades && !(facet.plane.height_m < double(input.within_m) * double(slope))) return;
+            if (!(shading::reflection_share(slope / glm::length(ray), facet.f0) > 0.0f)) return;
             // Only now: what shows nothing takes no place among the planes.
             if (plane == kNone) plane = find_plane(facet.plane);
-            if (plane == kNone) continue;
+            if (plane == kNone) return;
             plane_[at] = plane;
             ++planes_[plane].pixels;
-        }
+        });
     }
 }
 
@@ -190,59 +267,56 @@ void Mirrors::keep_largest() {
         largest[found_++] = planes_[order[i]];
     }
     std::copy_n(largest.begin(), found_, planes_.begin());
-    for (int y = 0; y < height_; ++y) {
-        std::uint8_t* const row = plane_.data() + std::size_t(y) * std::size_t(stride_);
-        for (int x = 0; x < width_; ++x)
-            if (row[x] != kNone) row[x] = place[row[x]];
-    }
+    for (const std::uint32_t tile : mirror_tiles_)
+        visit_pixels(tile, [&](int, int, std::size_t at) {
+            if (plane_[at] != kNone) plane_[at] = place[plane_[at]];
+        });
 }
 
 /// Pixels beside mirrors are asked for, too: what is filtered, and what waves bend rays to.
 void Mirrors::widen() {
     if (found_ == 0) return;
-    parallel_ranges(std::size_t(height_), 8, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t row = begin; row < end; ++row) {
-            const int y = int(row);
-            for (int x = 0; x < width_; ++x) {
+    parallel_ranges(wide_tiles_.size(), 16, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t t = begin; t < end; ++t)
+            visit_pixels(wide_tiles_[t], [&](int x, int y, std::size_t to) {
                 const auto at = [&](int dx, int dy) {
                     const int nx = x + dx, ny = y + dy;
                     return nx < 0 || ny < 0 || nx >= width_ || ny >= height_
                                ? kNone
                                : plane_[std::size_t(ny) * std::size_t(stride_) + std::size_t(nx)];
                 };
-                std::uint8_t plane = at(0, 0);
+                std::uint8_t plane = plane_[to];
                 for (int reach = 1; reach <= 2 && plane == kNone; ++reach)
                     for (int k = 0; k < 8 && plane == kNone; ++k) {
                         constexpr int kX[] = {0, -1, 1, 0, -1, 1, -1, 1}, kY[] = {-1, 0, 0, 1, -1, -1, 1, 1};
                         plane = at(reach * kX[k], reach * kY[k]);
                     }
-                widened_[row * std::size_t(stride_) + std::size_t(x)] = plane;
-            }
-        }
+                widened_[to] = plane;
+            });
     });
 }
 
 std::uint64_t Mirrors::collect_tiles() {
-    tiles_.clear();
+    for (auto& list : tiles_) list.clear();
+    if (found_ == 0) return 0;
     std::uint64_t pixels = 0;
-    for (std::size_t p = 0; p < found_; ++p) {
-        planes_[p].first_tile = std::uint32_t(tiles_.size());
-        for (int y = 0; y < height_; y += kTileSize)
-            for (int x = 0; x < width_; x += kTileSize) {
-                farfield::TileRequest tile{std::uint16_t(x), std::uint16_t(y), {}};
-                std::uint64_t count = 0;
-                for (int j = 0; j < std::min(kTileSize, height_ - y); ++j) {
-                    const std::uint8_t* const row = widened_.data() + std::size_t(y + j) * std::size_t(stride_) + x;
-                    unsigned bits = 0;
-                    for (int i = 0; i < std::min(kTileSize, width_ - x); ++i) bits |= unsigned(row[i] == p) << i;
-                    tile.rows[j] = std::uint16_t(bits);
-                    count += std::uint64_t(std::popcount(bits));
-                }
-                if (count == 0) continue;
-                tiles_.push_back(tile);
-                pixels += count;
-            }
-        planes_[p].tile_count = std::uint32_t(tiles_.size()) - planes_[p].first_tile;
+    for (const std::uint32_t tile : wide_tiles_) {
+        const int x0 = int(tile) % tiles_x_ * kTileSize, y0 = int(tile) / tiles_x_ * kTileSize;
+        std::array<farfield::TileRequest, kMost> requests;
+        std::uint32_t present = 0;  // planes, by bits
+        visit_pixels(tile, [&](int x, int y, std::size_t at) {
+            const std::uint8_t plane = widened_[at];
+            if (plane == kNone) return;
+            if ((present >> plane & 1u) == 0) requests[plane] = {std::uint16_t(x0), std::uint16_t(y0), {}};
+            present |= 1u << plane;
+            std::uint16_t& row = requests[plane].rows[y - y0];
+            row = std::uint16_t(row | 1u << (x - x0));
+            ++pixels;
+        });
+        for (; present != 0; present &= present - 1) {
+            const auto plane = std::size_t(std::countr_zero(present));
+            tiles_[plane].push_back(requests[plane]);
+        }
     }
     return pixels;
 }

@@ -1,6 +1,7 @@
 #pragma once
 // Which pixels of a frame are mirrors, and in which planes they lie: what the rays of reflections are planned from.
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -12,22 +13,39 @@
 
 namespace ff::effects {
 
-/// Whether what a pixel sees mirrors. Remembers the last answer, as neighbours see the same.
+/// How a surface mirrors.
+enum class MirrorKind : std::uint8_t {
+    none,
+    water,  ///< as far as one sees, and never at rest
+    glass,  ///< fades with distance; metal, too
+};
+
+/// Of scene::MaterialFlags.
+using MirrorFlags = std::uint32_t;
+
+/// How what a pixel sees mirrors. Remembers the last answer, as neighbours see the same.
 class MirrorTest {
   public:
     MirrorTest(const scene::StaticScene& scene, std::span<const scene::Instance> dynamic)
         : scene_(scene), dynamic_(dynamic) {}
 
     /// Names as the visibility buffer has them.
-    bool operator()(std::uint32_t instance, std::uint32_t triangle);
+    MirrorKind operator()(std::uint32_t instance, std::uint32_t triangle);
+    /// What of scene::kMaterialWater and scene::kMaterialMirror any triangle of the instance has.
+    MirrorFlags flags_of(std::uint32_t instance);
 
   private:
     const scene::StaticScene& scene_;
     std::span<const scene::Instance> dynamic_;
     std::uint32_t instance_ = farfield::kSkyInstance, triangle_ = 0;
     const scene::Mesh* mesh_ = nullptr;
-    bool has_mirrors_ = false, is_mirror_ = false;
+    MirrorFlags flags_ = 0;
+    MirrorKind kind_ = MirrorKind::none;
 };
+
+/// Whether a pixel sees water, or another mirror nearer than within_m along the view's axis.
+[[nodiscard]] bool mirrors_within(MirrorTest& kind_of, const farfield::VisibilityBuffer& seen, std::size_t at,
+                                  float within_m);
 
 /// What a frame's mirrors are found in.
 struct MirrorInput {
@@ -42,7 +60,6 @@ struct MirrorInput {
 struct Mirror {
     farfield::MirrorPlane plane;
     std::uint32_t pixels = 0;  ///< of the reduced image, without those around that are asked for to filter
-    std::uint32_t first_tile = 0, tile_count = 0;
 };
 
 /// Finds the mirrors of a view at a share of its size. What hardly mirrors, being looked at steeply, is no mirror. Of
@@ -60,25 +77,30 @@ class Mirrors {
     std::uint64_t find(const MirrorInput& input, int step);
 
     [[nodiscard]] std::span<const Mirror> found() const { return {planes_.data(), found_}; }
-    /// The pixels of a mirror, by tiles of the reduced image.
-    [[nodiscard]] std::span<const farfield::TileRequest> tiles(const Mirror& mirror) const {
-        return {tiles_.data() + mirror.first_tile, mirror.tile_count};
-    }
+    /// The pixels of one of them, and those beside it that filtering looks at, by tiles of the reduced image.
+    [[nodiscard]] std::span<const farfield::TileRequest> tiles(std::size_t mirror) const { return tiles_[mirror]; }
 
   private:
     void probe(const MirrorInput& input, int step);
+    void list_tiles();
     [[nodiscard]] std::uint8_t find_plane(const farfield::MirrorPlane& plane);
     void assign_planes(const MirrorInput& input, int step);
     void keep_largest();
     void widen();
     std::uint64_t collect_tiles();
+    template <class Visit>
+    void visit_pixels(std::uint32_t tile, Visit&& visit) const;
 
-    int width_ = 0, height_ = 0, stride_ = 0;         // of the reduced image
-    std::vector<std::uint32_t> instance_, triangle_;  // seen by a mirror's pixel, else kSkyInstance
-    std::vector<std::uint8_t> plane_, widened_;       // by pixel: index into planes_, kNone
+    int width_ = 0, height_ = 0, stride_ = 0;  // of the reduced image
+    int tiles_x_ = 0, tiles_y_ = 0;
+    std::vector<std::uint32_t> instance_, triangle_;  // seen by a mirror's pixel, else kSkyInstance; in mirror_tiles_
+    std::vector<std::uint8_t> plane_, widened_;       // by pixel: index into planes_, kNone; in wide_tiles_
+    // Most tiles have no mirror: all steps but the first look at those alone that have, and at the tiles around them.
+    std::vector<std::uint8_t> has_mirrors_;  // by tile
+    std::vector<std::uint32_t> mirror_tiles_, wide_tiles_;
     std::vector<Mirror> planes_;
     std::size_t found_ = 0;
-    std::vector<farfield::TileRequest> tiles_;
+    std::array<std::vector<farfield::TileRequest>, kMost> tiles_;
 };
 
 }  // namespace ff::effects

@@ -34,7 +34,7 @@ CastCost MirrorCaster::cast(const PinholeView& view, const DepthPlane& plane, st
     const beam::BeamView beam_view(view);
     CastCostSum shared;
     const std::span<const beam::BeamRequest> requests = requests_.gather(view, tiles);
-    parallel_ranges(requests.size(), 2, [&](std::size_t begin, std::size_t end) {
+    parallel_ranges(requests.size(), 1, [&](std::size_t begin, std::size_t end) {
         CastCost cost;
         for (std::size_t i = begin; i < end; ++i) {
             beam::BeamRequest request = requests[i];

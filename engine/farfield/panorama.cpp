@@ -162,7 +162,10 @@ void Panorama::State::mark(std::uint32_t tile, std::vector<std::uint32_t>& list)
 void Panorama::State::refresh_tile(std::uint32_t tile) {
     const auto side = std::uint32_t(map.tiles_side);
     const int x0 = int(tile % side) * kTileSize, y0 = int(tile / side) * kTileSize;
-    TexelTile out{map.records[map.index(x0, y0)], true, std::numeric_limits<float>::infinity()};
+    TexelTile out{.record = map.records[map.index(x0, y0)],
+                  .complete = true,
+                  .is_marked = map.tiles[tile].is_marked,
+                  .nearest_m = std::numeric_limits<float>::infinity()};
     for (int j = 0; j < kTileSize; ++j) {
         const std::size_t row = map.index(x0, y0 + j);
         for (std::size_t i = row; i < row + kTileSize; ++i) {

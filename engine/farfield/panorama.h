@@ -81,12 +81,20 @@ struct PanoramaStats {
     float parallax_max_px = 0;
 };
 
+/// Whose instance and triangle a lookup writes.
+enum class PanoramaNames {
+    all,
+    marked,  ///< in tiles that look at marked texels, with their depths; all others see kSkyInstance
+    none,    ///< as they were
+};
+
 /// Where a panorama's pixels go. All arrays are laid out as the VisibilityBuffer is.
 struct PanoramaTarget {
     VisibilityBuffer* visibility = nullptr;  ///< optional: colours alone take half of the time
     std::uint32_t* colors = nullptr;         ///< RGBA8, as shading::Image::pixels
     int color_stride = 0;                    ///< pixels a row, whole tiles
-    bool depth_only = false;                 ///< leave instance and triangle of reused pixels as they are
+    bool depths = true;                      ///< of all reused pixels
+    PanoramaNames names = PanoramaNames::all;
 };
 
 class Panorama {
@@ -128,7 +136,9 @@ class Panorama {
     [[nodiscard]] VisibilityBuffer& map();
     /// Enters the texels that were cast into map() and shaded.
     /// @param colors  face_size x 6 face_size texels, `stride` a row
-    void commit_fill(int face, std::span<const std::uint32_t> colors, int stride);
+    /// @param marks   optional: per request of the face, whether its tile is marked (PanoramaNames); else all are
+    void commit_fill(int face, std::span<const std::uint32_t> colors, int stride,
+                     std::span<const std::uint8_t> marks = {});
 
     /// Answers the wanted pixels from the map as far as it can.
     /// @param wanted   as for plan_fill

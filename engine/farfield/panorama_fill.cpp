@@ -94,7 +94,8 @@ std::uint64_t Panorama::plan_fill(const PinholeView& view, std::span<const TileR
             const std::size_t row = s.map.index(request.x, request.y + j);
             for (std::size_t i = 0; i < kTileSize; ++i) {
                 const std::uint16_t r = s.map.records[row + i];
-                TexelTile texel{r, r != kNeverTraced, s.map.visibility.depth[row + i]};
+                const TexelTile texel{
+                    .record = r, .complete = r != kNeverTraced, .nearest_m = s.map.visibility.depth[row + i]};
                 if (tile_record != kMixedRecords || !panorama::is_tile_good(job, texel))
                     request.rows[j] = std::uint16_t(request.rows[j] | 1u << i);
             }
@@ -148,7 +149,8 @@ bool Panorama::plan_refresh(std::uint64_t texels, std::uint32_t& next) {
     return true;
 }
 
-void Panorama::commit_fill(int face, std::span<const std::uint32_t> colors, int stride) {
+void Panorama::commit_fill(int face, std::span<const std::uint32_t> colors, int stride,
+                           std::span<const std::uint8_t> marks) {
     State& s = *state_;
     const std::span<const TileRequest> requests = s.requests[std::size_t(face)];
     const auto side = std::uint32_t(s.map.tiles_side);
@@ -168,9 +170,14 @@ void Panorama::commit_fill(int face, std::span<const std::uint32_t> colors, int 
             }
         }
     });
+    FF_CHECK(marks.empty() || marks.size() == requests.size(), "{} marks for {} tiles", marks.size(), requests.size());
     s.changed.clear();
-    for (const TileRequest& request : requests)
-        s.changed.push_back(request.y / std::uint32_t(kTileSize) * side + request.x / std::uint32_t(kTileSize));
+    for (std::size_t i = 0; i < requests.size(); ++i) {
+        const std::uint32_t tile =
+            requests[i].y / std::uint32_t(kTileSize) * side + requests[i].x / std::uint32_t(kTileSize);
+        s.map.tiles[tile].is_marked = marks.empty() || marks[i] != 0;
+        s.changed.push_back(tile);
+    }
     s.refresh_changed();
 }
 

@@ -27,9 +27,22 @@ struct TileSamples {
     alignas(64) float depths[kPixels];
 };
 
+/// What of a tile's visibility is written.
+struct Wanted {
+    bool depths, names;
+    bool blanks;  ///< kSkyInstance instead of names
+};
+
+inline Wanted wanted_of(const PanoramaTarget& target, bool is_marked) {
+    if (target.visibility == nullptr) return {};
+    const bool by_mark = target.names == PanoramaNames::marked;
+    const bool names = target.names == PanoramaNames::all || (by_mark && is_marked);
+    return {.depths = target.depths || (by_mark && is_marked), .names = names, .blanks = by_mark && !is_marked};
+}
+
 /// Copies texels to where vectors can load them. Plain loads on purpose, outside of the vector targets: pairs of
 /// texels come in one load each, and gather instructions take three times as long on AMD's Zen 3.
-void fetch(const LookupJob& job, const TileRequest& tile, bool check, TileSamples& samples);
+void fetch(const LookupJob& job, const TileRequest& tile, const Wanted& wanted, bool check, TileSamples& samples);
 
 }  // namespace ff::farfield::panorama
 #endif
@@ -182,15 +195,14 @@ void project(const LookupJob& job, const TileRequest& tile, int face, TileSample
 /// Mixes, checks and stores what the map holds of a tile's pixels.
 /// @tparam kCheck  texels have to be looked at one by one; else all are good, of one record
 template <bool kCheck>
-void resolve(const LookupJob& job, const TileRequest& tile, std::uint32_t record, const TileSamples& in,
-             TileClasses& out) {
+void resolve(const LookupJob& job, const TileRequest& tile, const Wanted& visibility, std::uint32_t record,
+             const TileSamples& in, TileClasses& out) {
     const DF df;
     const DI di;
     const DU du;
     const hn::Rebind<std::uint8_t, DI> d8;
     const PinholeView& view = *job.view;
     const VI lane = hn::Iota(di, 0);
-    const bool wants_visibility = job.target.visibility != nullptr;
     const auto is = [&](VI state, std::uint32_t value) { return hn::Eq(state, hn::Set(di, int(value))); };
     auto all_still = hn::Eq(lane, lane);
     std::uint32_t any = 0;
@@ -284,13 +296,17 @@ void resolve(const LookupJob& job, const TileRequest& tile, std::uint32_t record
                     hn::StoreU(hn::IfThenElse(hn::RebindMask(d, wanted), value, hn::LoadU(d, to)), d, to);
             };
             put(du, color, job.target.colors + std::size_t(y) * std::size_t(job.target.color_stride) + std::size_t(x));
-            if (!wants_visibility) continue;
+            if (job.target.visibility == nullptr) continue;
             VisibilityBuffer& target = *job.target.visibility;
             const std::size_t to = target.index(x, y);
-            put(df, hn::MulAdd(hn::Load(df, in.depths + pixel), inverse, moved_z), target.depth.data() + to);
-            if (job.target.depth_only) continue;
-            put(du, hn::Load(du, in.instances + pixel), target.instance.data() + to);
-            put(du, hn::Load(du, in.triangles + pixel), target.triangle.data() + to);
+            if (visibility.depths)
+                put(df, hn::MulAdd(hn::Load(df, in.depths + pixel), inverse, moved_z), target.depth.data() + to);
+            if (visibility.names) {
+                put(du, hn::Load(du, in.instances + pixel), target.instance.data() + to);
+                put(du, hn::Load(du, in.triangles + pixel), target.triangle.data() + to);
+            } else if (visibility.blanks) {
+                put(du, hn::Set(du, kSkyInstance), target.instance.data() + to);
+            }
         }
         out.edge[std::size_t(j)] = std::uint16_t(edge);
         out.noise[std::size_t(j)] = std::uint16_t(noise);
@@ -313,9 +329,10 @@ void LookupTile(const LookupJob& job, const TileRequest& tile, const TileFootpri
     TileSamples samples;
     out.tile_parallax = 0;
     if (footprint.face < 0) {
+        const Wanted wanted = wanted_of(job.target, true);
         project<false>(job, tile, 0, samples);
-        fetch(job, tile, true, samples);
-        resolve<true>(job, tile, kNeverTraced, samples, out);
+        fetch(job, tile, wanted, true, samples);
+        resolve<true>(job, tile, wanted, kNeverTraced, samples, out);
         if (out.any) keep_quads(samples, out);
         return;
     }
@@ -327,15 +344,17 @@ void LookupTile(const LookupJob& job, const TileRequest& tile, const TileFootpri
             const TexelTile& other = map.tiles[std::size_t(ty * side + tx)];
             texels.complete &= other.complete && other.record == texels.record;
             texels.nearest_m = std::min(texels.nearest_m, other.nearest_m);
+            texels.is_marked |= other.is_marked;
         }
+    const Wanted wanted = wanted_of(job.target, texels.is_marked);
     const bool good = is_tile_good(job, texels);
     project<true>(job, tile, footprint.face, samples);
-    fetch(job, tile, !good, samples);
+    fetch(job, tile, wanted, !good, samples);
     if (good) {
-        resolve<false>(job, tile, texels.record, samples, out);
+        resolve<false>(job, tile, wanted, texels.record, samples, out);
         out.tile_parallax = bin_of(tile_parallax_bound(job, texels));
     } else {
-        resolve<true>(job, tile, kNeverTraced, samples, out);
+        resolve<true>(job, tile, wanted, kNeverTraced, samples, out);
     }
     if (out.any) keep_quads(samples, out);
 }
@@ -426,7 +445,7 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace ff::farfield::panorama {
 
-void fetch(const LookupJob& job, const TileRequest& tile, bool check, TileSamples& samples) {
+void fetch(const LookupJob& job, const TileRequest& tile, const Wanted& wanted, bool check, TileSamples& samples) {
     const PanoramaMap& map = *job.map;
     const std::size_t row_step = std::size_t(map.size);
     const auto copy = [](void* to, const void* from, auto bytes) { std::memcpy(to, from, bytes); };
@@ -451,10 +470,10 @@ void fetch(const LookupJob& job, const TileRequest& tile, bool check, TileSample
                 copy(samples.upper_records + p, records + at, kTwo16);
                 copy(samples.lower_records + p, records + at + row_step, kTwo16);
             }
-        if (job.target.visibility == nullptr) continue;
-        for (std::size_t p = first; p < first + kTileSize; ++p)
-            samples.depths[p] = depths[std::size_t(samples.nearest[p])];
-        if (job.target.depth_only) continue;
+        if (wanted.depths)
+            for (std::size_t p = first; p < first + kTileSize; ++p)
+                samples.depths[p] = depths[std::size_t(samples.nearest[p])];
+        if (!wanted.names) continue;
         for (std::size_t p = first; p < first + kTileSize; ++p) {
             const auto at = std::size_t(samples.nearest[p]);
             samples.instances[p] = map.visibility.instance[at];

@@ -33,6 +33,7 @@ struct ConfidenceRecord {
 struct TexelTile {
     std::uint16_t record = kNeverTraced;  ///< of all texels, or kMixedRecords
     bool complete = false;                ///< every texel was cast
+    bool is_marked = false;               ///< lookups for PanoramaNames::marked write what it shows
     float nearest_m = 0;                  ///< least depth of any texel along the face's axis
 };
 

@@ -70,6 +70,7 @@ void Panorama::store(const PinholeView& view, std::span<const TileRequest> tiles
                 s.mark(std::uint32_t(ty / kTileSize) * side + std::uint32_t(tx / kTileSize), s.changed);
             }
     }
+    for (const std::uint32_t tile : s.changed) s.map.tiles[tile].is_marked = true;
     s.refresh_changed();
 }
 

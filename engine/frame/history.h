@@ -67,6 +67,7 @@ struct FrameHistory {
     farfield::VisibilityBuffer visibility;
     std::unique_ptr<farfield::Panorama> panorama;  ///< made when a plan first asks for it
     shading::Image panorama_colors;                ///< where its texels are shaded
+    std::vector<std::uint8_t> panorama_marks;      ///< per tile of texels that were: whether it shows mirrors
     bool panorama_is_full = false;                 ///< it held all that the last frame saw, and the viewer stood
     PanoramaLook panorama_look;                    ///< of its texels
     PanoramaLight panorama_light;                  ///< likewise

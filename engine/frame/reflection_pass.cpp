@@ -50,11 +50,12 @@ std::uint64_t find_mirrors(const FramePlan& plan, const effects::MirrorInput& in
     return pixels;
 }
 
-void draw_mirror(const FramePlan& plan, const Tools& tools, const effects::Mirror& mirror, FrameHistory& history,
+void draw_mirror(const FramePlan& plan, const Tools& tools, std::size_t mirror, FrameHistory& history,
                  ReflectionWork& work, FrameStats& stats) {
     const std::span<const TileRequest> tiles = work.mirrors.tiles(mirror);
-    const PinholeView view = farfield::mirrored_view(plan.view, mirror.plane, work.shown.step);
-    const farfield::DepthPlane before = farfield::mirror_before(view, mirror.plane, kLiftM);
+    const farfield::MirrorPlane& plane = work.mirrors.found()[mirror].plane;
+    const PinholeView view = farfield::mirrored_view(plan.view, plane, work.shown.step);
+    const farfield::DepthPlane before = farfield::mirror_before(view, plane, kLiftM);
     std::uint64_t rays = work.caster.cast(view, before, tiles, work.visibility).rays;
     if (!plan.dynamic.empty())
         rays += work.moving.draw(view, plan.dynamic, tiles, work.visibility, work.covered, &before).rays;
@@ -102,7 +103,7 @@ const shading::Reflections* find_reflections(const FramePlan& plan, const Tools&
     if (width < 2 || height < 2) return nullptr;
     fit(work.visibility, work.image, width, height);
     work.covered.reset(width, height);
-    for (const effects::Mirror& mirror : work.mirrors.found()) draw_mirror(plan, tools, mirror, history, work, stats);
+    for (std::size_t i = 0; i < work.mirrors.found().size(); ++i) draw_mirror(plan, tools, i, history, work, stats);
     work.shown.depth = work.visibility.depth.data();
     return &work.shown;
 }

@@ -5,6 +5,7 @@
 #include <glm/geometric.hpp>
 
 #include "engine/core/check.h"
+#include "engine/core/jobs.h"
 #include "engine/core/log.h"
 #include "engine/farfield/tile_regroup.h"
 #include "engine/frame/known_frame.h"
@@ -101,23 +102,32 @@ bool has_mirrors(const FramePlan& plan) {
     return plan.effects.is_active(effects::EffectId::water) || plan.effects.is_active(effects::EffectId::reflections);
 }
 
+bool falls(const FramePlan& plan) {
+    return plan.effects.is_active(effects::EffectId::rain) || plan.effects.is_active(effects::EffectId::snow);
+}
+
 /// Takes pixels of mirrors out of a mask of finished colours: waves move, and what is mirrored may.
-void take_out_mirrors(const scene::StaticScene& scene, std::span<const scene::Instance> dynamic,
+void take_out_mirrors(const FramePlan& plan, const scene::StaticScene& scene,
                       const farfield::VisibilityBuffer& visibility, PixelMask& coloured) {
-    effects::MirrorTest is_mirror(scene, dynamic);
-    for (std::size_t t = 0; t < coloured.tiles.size(); ++t) {
-        const int x0 = int(t % std::size_t(coloured.tiles_x)) * kTileSize;
-        const int y0 = int(t / std::size_t(coloured.tiles_x)) * kTileSize;
-        for (int row = 0; row < kTileSize; ++row) {
-            unsigned bits = coloured.tiles[t].rows[row];
-            const std::size_t first = visibility.index(x0, y0 + row);
-            for (unsigned left = bits; left != 0; left &= left - 1) {
-                const auto i = std::size_t(std::countr_zero(left));
-                if (is_mirror(visibility.instance[first + i], visibility.triangle[first + i])) bits &= ~(1u << i);
+    constexpr std::size_t kTilesPerTask = 64;
+    const float glass_within_m =
+        plan.effects.is_active(effects::EffectId::reflections) ? plan.reflections_within_m : 0.0f;
+    parallel_ranges(coloured.tiles.size(), kTilesPerTask, [&](std::size_t begin, std::size_t end) {
+        effects::MirrorTest kind_of(scene, plan.dynamic);
+        for (std::size_t t = begin; t < end; ++t) {
+            const int x0 = int(t % std::size_t(coloured.tiles_x)) * kTileSize;
+            const int y0 = int(t / std::size_t(coloured.tiles_x)) * kTileSize;
+            for (int row = 0; row < kTileSize; ++row) {
+                unsigned bits = coloured.tiles[t].rows[row];
+                const std::size_t first = visibility.index(x0, y0 + row);
+                for (unsigned left = bits; left != 0; left &= left - 1) {
+                    const std::size_t at = first + std::size_t(std::countr_zero(left));
+                    if (effects::mirrors_within(kind_of, visibility, at, glass_within_m)) bits &= ~(left & -left);
+                }
+                coloured.tiles[t].rows[row] = std::uint16_t(bits);
             }
-            coloured.tiles[t].rows[row] = std::uint16_t(bits);
         }
-    }
+    });
 }
 
 /// OpenGL ran out of something in the middle of a frame: the frame goes on without it.
@@ -188,10 +198,6 @@ void blend_layers(const FramePlan& plan, const Tools& tools, FrameHistory& histo
     stats.work(effects::EffectId::sun_shadows).rays += counts.sun_rays;
 }
 
-bool falls(const FramePlan& plan) {
-    return plan.effects.is_active(effects::EffectId::rain) || plan.effects.is_active(effects::EffectId::snow);
-}
-
 void draw_fall(const FramePlan& plan, const Tools& tools, FrameHistory& history, shading::Image& image,
                FrameStats& stats) {
     const TimedPass timed(stats, Pass::fall);
@@ -221,6 +227,8 @@ void begin_panorama(const FramePlan& plan, FrameHistory& history) {
         history.panorama->populate();
         history.panorama_colors.resize(size, 6 * size);
         populate_pages(history.panorama_colors.pixels);
+        const auto tiles_side = std::size_t((size + kTileSize - 1) / kTileSize);
+        history.panorama_marks.reserve(tiles_side * tiles_side);
     }
     const scene::Environment& light = plan.environment;
     const PanoramaLook look{.blend_within_m = plan.view.blend_within_m,
@@ -235,6 +243,24 @@ void begin_panorama(const FramePlan& plan, FrameHistory& history) {
     }
     history.panorama_look = look;
     history.panorama->begin_frame(plan.view.position);
+}
+
+/// Which tiles of texels show mirrors, in part.
+void mark_mirrors(const FramePlan& plan, const scene::StaticScene& scene, const farfield::VisibilityBuffer& map,
+                  std::span<const TileRequest> tiles, std::vector<std::uint8_t>& marks) {
+    marks.resize(tiles.size());
+    parallel_ranges(tiles.size(), 32, [&](std::size_t begin, std::size_t end) {
+        effects::MirrorTest kind_of(scene, plan.dynamic);
+        for (std::size_t t = begin; t < end; ++t) {
+            bool any = false;
+            for (int row = 0; row < kTileSize && !any; ++row) {
+                const std::size_t first = map.index(tiles[t].x, tiles[t].y + row);
+                for (std::size_t at = first; at < first + kTileSize && !any; ++at)
+                    any = kind_of(map.instance[at], map.triangle[at]) != effects::MirrorKind::none;
+            }
+            marks[t] = std::uint8_t(any);
+        }
+    });
 }
 
 /// Casts and shades the texels that were chosen.
@@ -259,7 +285,9 @@ void fill_chosen(const FramePlan& plan, const Tools& tools, FrameHistory& histor
                                                         history.panorama_colors);
         }
         const TimedPass timed(stats, Pass::store);
-        panorama.commit_fill(face, history.panorama_colors.pixels, history.panorama_colors.stride);
+        mark_mirrors(plan, tools.scene, panorama.map(), texels, history.panorama_marks);
+        panorama.commit_fill(face, history.panorama_colors.pixels, history.panorama_colors.stride,
+                             history.panorama_marks);
     }
 }
 
@@ -304,14 +332,21 @@ void look_up_panorama(const FramePlan& plan, const Tools& tools, const farfield:
                       FrameHistory& history, shading::Image& image, FrameStats& stats) {
     farfield::Panorama& panorama = *history.panorama;
     const TimedPass timed(stats, Pass::panorama);
-    // Depths are fetched only where something may stand before the texels, names where its shadow may fall on them.
-    const bool wants_ids = plan.keep_ids || (plan.sun_shadows && !plan.dynamic.empty()) || has_mirrors(plan);
+    // Depths are fetched only where something may stand before the texels, names where its shadow may fall on them, and
+    // both where they mirror.
+    using farfield::PanoramaNames;
+    const bool wants_all = plan.keep_ids || (plan.sun_shadows && !plan.dynamic.empty());
     const bool wants_depths =
-        wants_ids || !plan.dynamic.empty() || plan.effects.is_active(effects::EffectId::transparency);
-    const farfield::PanoramaTarget target{.visibility = wants_depths ? &history.visibility : nullptr,
+        wants_all || !plan.dynamic.empty() || falls(plan) || plan.effects.is_active(effects::EffectId::transparency);
+    const PanoramaNames names = wants_all           ? PanoramaNames::all
+                                : has_mirrors(plan) ? PanoramaNames::marked
+                                                    : PanoramaNames::none;
+    const bool wants_visibility = wants_depths || names != PanoramaNames::none;
+    const farfield::PanoramaTarget target{.visibility = wants_visibility ? &history.visibility : nullptr,
                                           .colors = image.pixels.data(),
                                           .color_stride = image.stride,
-                                          .depth_only = !wants_ids};
+                                          .depths = wants_depths,
+                                          .names = names};
     const farfield::PanoramaStats found = panorama.lookup(plan.view, history.wanted, limits, target, history.requests);
     stats.pixels.panorama = found.reused + found.stale + found.unanswered;
     stats.pixels.stale = found.stale + found.unanswered;
@@ -429,7 +464,7 @@ void draw_surfaces(const FramePlan& plan, const Tools& tools, FrameHistory& hist
             bound_moving(plan.dynamic, history.moving);
             take_out_shaded(plan, tools.scene, history.moving, history.all_tiles, visibility, coloured);
         }
-        if (has_mirrors(plan)) take_out_mirrors(tools.scene, plan.dynamic, visibility, coloured);
+        if (has_mirrors(plan)) take_out_mirrors(plan, tools.scene, visibility, coloured);
         const PixelMask* const done[] = {&coloured};
         collect_requests(history.all_tiles, done, history.to_shade);
     }
