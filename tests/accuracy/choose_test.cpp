@@ -6,6 +6,8 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "tests/support/temporary_folder.h"
+
 namespace ff::accuracy {
 namespace {
 
@@ -34,7 +36,6 @@ class ChooseTest : public testing::Test {
                   {"pairs", {pair}}};
         write(table_.dump());
     }
-    ~ChooseTest() override { std::filesystem::remove(table_path(pack_)); }
 
     void write(const std::string& text) const { std::ofstream(table_path(pack_)) << text; }
     Result<std::string> choose(const Limits& limits) {
@@ -42,7 +43,8 @@ class ChooseTest : public testing::Test {
         return choose_settings(pack_, 0xab, "street", limits, settings_);
     }
 
-    std::filesystem::path pack_ = std::filesystem::path(testing::TempDir()) / "choose_test.ffpack";
+    test::TemporaryFolder folder_;
+    std::filesystem::path pack_ = folder_ / "world.ffpack";
     json table_;
     frame::FrameSettings settings_;
 };

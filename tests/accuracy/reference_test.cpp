@@ -5,6 +5,7 @@
 #include <fstream>
 
 #include "tests/accuracy/images.h"
+#include "tests/support/temporary_folder.h"
 
 namespace ff::accuracy {
 namespace {
@@ -34,8 +35,8 @@ TEST(ReferenceTest, is_kept_and_read_back_and_a_damaged_one_is_made_anew) {
                        .make_renderer = [&](int width, int height) {
                            return std::make_unique<frame::Renderer>(world.scene(), casters, nullptr, width, height);
                        }};
-    const auto folder = std::filesystem::path(testing::TempDir()) / "accuracy_reference_test";
-    std::filesystem::remove_all(folder);
+    const test::TemporaryFolder temporary;
+    const std::filesystem::path folder = temporary / "references";
     const auto frames = schedule(1, kQuick);
     const auto made = make_reference(lab, frames, folder);
     ASSERT_TRUE(made) << made.error().message;
@@ -49,7 +50,6 @@ TEST(ReferenceTest, is_kept_and_read_back_and_a_damaged_one_is_made_anew) {
     const auto again = make_reference(lab, frames, folder);
     ASSERT_TRUE(again);
     EXPECT_EQ(made->front().image.pixels, again->front().image.pixels);
-    std::filesystem::remove_all(folder);
 }
 
 }  // namespace

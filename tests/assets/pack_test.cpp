@@ -13,27 +13,16 @@
 #include "engine/assets/pack_writer.h"
 #include "engine/core/hash.h"
 #include "engine/core/jobs.h"
+#include "tests/support/temporary_folder.h"
 
 namespace ff::assets {
 namespace {
 
 using Bytes = std::vector<std::byte>;
 
-class TempFolder {
-  public:
-    TempFolder() {
-        std::string pattern = (std::filesystem::temp_directory_path() / "ff_pack_XXXXXX").string();
-        path_ = ::mkdtemp(pattern.data());
-    }
-    ~TempFolder() { std::filesystem::remove_all(path_); }
-    [[nodiscard]] std::filesystem::path operator/(const char* name) const { return path_ / name; }
-    [[nodiscard]] std::size_t file_count() const {
-        return static_cast<std::size_t>(std::distance(std::filesystem::directory_iterator(path_), {}));
-    }
-
-  private:
-    std::filesystem::path path_;
-};
+std::size_t file_count(const test::TemporaryFolder& folder) {
+    return static_cast<std::size_t>(std::distance(std::filesystem::directory_iterator(folder.path()), {}));
+}
 
 Bytes read_all(const std::filesystem::path& path) {
     std::ifstream in(path, std::ios::binary);
@@ -97,7 +86,7 @@ Status read(const Bytes& bytes, Content& out) {
 }
 
 TEST(Pack, gives_back_what_was_written_over_many_blocks) {
-    const TempFolder folder;
+    const test::TemporaryFolder folder;
     const Content content = make_content(3 * kBlockBytes / 4 + 12345);
     write(folder / "a.ffpack", content);
     Content out;
@@ -115,7 +104,7 @@ TEST(Pack, gives_back_what_was_written_over_many_blocks) {
 }
 
 TEST(Pack, has_the_same_bytes_for_any_number_of_workers) {
-    const TempFolder folder;
+    const test::TemporaryFolder folder;
     const Content content = make_content(5 * kBlockBytes);
     {
         const WorkerLimit one(1);
@@ -129,7 +118,7 @@ TEST(Pack, has_the_same_bytes_for_any_number_of_workers) {
 }
 
 TEST(Pack, cut_at_any_byte_is_refused) {
-    const TempFolder folder;
+    const test::TemporaryFolder folder;
     write(folder / "a.ffpack", make_content(300));
     const Bytes whole = read_all(folder / "a.ffpack");
     for (std::size_t size = 0; size < whole.size(); ++size)
@@ -137,7 +126,7 @@ TEST(Pack, cut_at_any_byte_is_refused) {
 }
 
 TEST(Pack, with_any_byte_flipped_is_refused) {
-    const TempFolder folder;
+    const test::TemporaryFolder folder;
     write(folder / "a.ffpack", make_content(300));
     Bytes bytes = read_all(folder / "a.ffpack");
     for (std::size_t i = 0; i < bytes.size(); ++i)
@@ -151,7 +140,7 @@ TEST(Pack, with_any_byte_flipped_is_refused) {
 }
 
 TEST(Pack, with_bytes_added_is_refused) {
-    const TempFolder folder;
+    const test::TemporaryFolder folder;
     write(folder / "a.ffpack", make_content(300));
     Bytes bytes = read_all(folder / "a.ffpack");
     for (int i = 0; i < 130; ++i) {
@@ -161,7 +150,7 @@ TEST(Pack, with_bytes_added_is_refused) {
 }
 
 TEST(Pack, of_another_version_is_called_that_with_what_to_do) {
-    const TempFolder folder;
+    const test::TemporaryFolder folder;
     write(folder / "a.ffpack", make_content(300));
     Bytes bytes = read_all(folder / "a.ffpack");
     for (const std::uint32_t version : {kPackVersion - 1, kPackVersion + 1}) {
@@ -177,7 +166,7 @@ TEST(Pack, of_another_version_is_called_that_with_what_to_do) {
 }
 
 TEST(Pack, that_is_no_pack_or_no_file_is_refused) {
-    const TempFolder folder;
+    const test::TemporaryFolder folder;
     EXPECT_FALSE(PackReader::open(folder / "nothing.ffpack"));
     EXPECT_FALSE(PackReader::open(folder / "."));
     std::ofstream(folder / "empty.ffpack").close();
@@ -189,7 +178,7 @@ TEST(Pack, that_is_no_pack_or_no_file_is_refused) {
 }
 
 TEST(Pack, not_finished_leaves_the_old_one_and_no_trace) {
-    const TempFolder folder;
+    const test::TemporaryFolder folder;
     const Content content = make_content(300);
     write(folder / "a.ffpack", content);
     const Bytes before = read_all(folder / "a.ffpack");
@@ -199,7 +188,7 @@ TEST(Pack, not_finished_leaves_the_old_one_and_no_trace) {
         ASSERT_TRUE(pack->add("noise", std::span<const std::uint32_t>(content.noise)));
     }
     EXPECT_TRUE(read_all(folder / "a.ffpack") == before);
-    EXPECT_EQ(folder.file_count(), 1u);
+    EXPECT_EQ(file_count(folder), 1u);
 }
 
 TEST(Pack, in_a_folder_that_is_not_there_cannot_be_made) {

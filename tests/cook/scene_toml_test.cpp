@@ -9,6 +9,7 @@
 #include <string>
 
 #include "engine/core/jobs.h"
+#include "tests/support/temporary_folder.h"
 #include "tools/cook/scene_toml.h"
 #include "tools/cook/scene_toml_description.h"
 
@@ -19,13 +20,6 @@ namespace fs = std::filesystem;
 
 class SceneToml : public testing::Test {
   protected:
-    void SetUp() override {
-        folder_ = fs::path(testing::TempDir()) /
-                  fmt::format("scene_toml_{}", testing::UnitTest::GetInstance()->current_test_info()->name());
-        fs::create_directories(folder_);
-    }
-    void TearDown() override { fs::remove_all(folder_); }
-
     fs::path write(const std::string& name, const std::string& text) const {
         std::ofstream(folder_ / name, std::ios::binary) << text;
         return folder_ / name;
@@ -46,7 +40,7 @@ class SceneToml : public testing::Test {
         return count;
     }
 
-    fs::path folder_;
+    test::TemporaryFolder folder_;
 };
 
 /// Three houses of about 11 x 10 m around 47 N 10 E, one of them with a yard, and two that are none.

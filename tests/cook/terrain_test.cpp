@@ -8,6 +8,7 @@
 #include <glm/geometric.hpp>
 #include <map>
 
+#include "tests/support/temporary_folder.h"
 #include "tools/cook/terrain_valley.h"
 
 namespace ff::cook {
@@ -113,11 +114,12 @@ TEST(Terrain, the_mesh_is_what_height_at_says) {
 class TerrainFile : public testing::Test {
   protected:
     fs::path write(const std::string& name, const std::string& text) const {
-        const fs::path path = fs::path(testing::TempDir()) / name;
+        const fs::path path = folder_ / name;
         std::ofstream(path, std::ios::binary) << text;
         return path;
     }
     static fs::path shared(const char* name) { return fs::path(FF_SHARED_DIR) / "content/terrain" / name; }
+    test::TemporaryFolder folder_;
     std::optional<GroundFrame> frame_;
 };
 
@@ -145,7 +147,7 @@ TEST_F(TerrainFile, what_is_no_raster_or_holds_only_voids_is_an_error) {
                           "ncols 2\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 1\nNODATA_value -1\n-1 -1\n-1 -1\n"))
                   .find("only voids"),
               std::string::npos);
-    EXPECT_NE(error(fs::path(testing::TempDir()) / "none.tif").find("no such file"), std::string::npos);
+    EXPECT_NE(error(folder_ / "none.tif").find("no such file"), std::string::npos);
 }
 
 TEST_F(TerrainFile, srtm_tiles_span_a_degree_and_have_no_voids) {

@@ -10,6 +10,7 @@
 
 #include "engine/core/jobs.h"
 #include "tests/cook/cook_worlds.h"
+#include "tests/support/temporary_folder.h"
 
 namespace ff::test {
 namespace {
@@ -238,7 +239,8 @@ TEST(Walks, of_worlds_with_numbers_that_are_none_still_come) {
 }
 
 TEST(WalkFiles, become_source_walks_or_say_what_is_wrong) {
-    const auto path = std::filesystem::path(testing::TempDir()) / "ff_walks_test.walk.json";
+    const test::TemporaryFolder folder;
+    const auto path = folder / "ff_walks_test.walk.json";
     std::ofstream(path)
         << R"({"format": 1, "fov_deg": 70, "rate_hz": 60, "frames": [{"p": [1, 2, 3], "yaw_deg": 90}]})";
     const auto walk = cook::read_walk_file(path, "main");
@@ -253,7 +255,6 @@ TEST(WalkFiles, become_source_walks_or_say_what_is_wrong) {
     const auto broken = cook::read_walk_file(path, "main");
     ASSERT_FALSE(broken);
     EXPECT_EQ(broken.error().kind, ErrorKind::bad_input);
-    std::filesystem::remove(path);
 }
 
 }  // namespace

@@ -8,17 +8,13 @@
 #include <random>
 
 #include "engine/core/write_file.h"
+#include "tests/support/temporary_folder.h"
 
 namespace ff {
 namespace {
 
 class WholeFileTest : public ::testing::Test {
   protected:
-    void SetUp() override {
-        folder = std::filesystem::temp_directory_path() / ("whole_file_test_" + std::to_string(::getpid()));
-        std::filesystem::create_directories(folder);
-    }
-    void TearDown() override { std::filesystem::remove_all(folder); }
     [[nodiscard]] int entries() const {
         return int(std::distance(std::filesystem::directory_iterator(folder), std::filesystem::directory_iterator()));
     }
@@ -26,7 +22,8 @@ class WholeFileTest : public ::testing::Test {
         return std::vector<std::byte>(size, std::byte(value));
     }
 
-    std::filesystem::path folder;
+    test::TemporaryFolder temporary;
+    const std::filesystem::path& folder = temporary.path();
 };
 
 TEST_F(WholeFileTest, appears_at_its_end_alone) {

@@ -10,6 +10,7 @@
 #include "engine/host/random_player.h"
 #include "engine/host/replay_session.h"
 #include "engine/host/session.h"
+#include "tests/support/temporary_folder.h"
 #include "tests/support/worlds.h"
 
 namespace ff::beacons {
@@ -142,7 +143,8 @@ TEST(Beacons, a_saved_game_goes_on_bit_for_bit) {
 
 TEST(Beacons, a_recording_plays_again_and_a_change_is_named) {
     const auto world = make_town();
-    const auto path = std::filesystem::path(testing::TempDir()) / "beacons_test.ffreplay";
+    const test::TemporaryFolder folder;
+    const auto path = folder / "beacons_test.ffreplay";
     auto session = host::Session::begin(game_info(), *world, {.seed = 1, .pack_name = "town", .recording = path});
     ASSERT_TRUE(session) << session.error().message;
     const auto player = host::make_random_player(game_info(), 3);
@@ -170,7 +172,6 @@ TEST(Beacons, a_recording_plays_again_and_a_change_is_named) {
 
     recording->header.game = "chess";
     EXPECT_FALSE(host::ReplaySession::begin(game_info(), *world, *recording));
-    std::filesystem::remove(path);
 }
 
 TEST(Beacons, a_random_player_breaks_nothing) {

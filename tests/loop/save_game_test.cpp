@@ -8,25 +8,19 @@
 #include <random>
 
 #include "engine/core/write_file.h"
+#include "tests/support/temporary_folder.h"
 
 namespace ff::loop {
 namespace {
 
 class SaveGameTest : public testing::Test {
   protected:
-    SaveGameTest() {
-        folder = std::filesystem::path(testing::TempDir()) /
-                 (std::string("saves_") + testing::UnitTest::GetInstance()->current_test_info()->name());
-        std::filesystem::remove_all(folder);
-        path = folder / "slot1.save";
-    }
-    ~SaveGameTest() override { std::filesystem::remove_all(folder); }
-
     static SavedGame save_of(std::uint8_t value, std::size_t size = 1000) {
         return {"beacons", 3, std::vector<std::byte>(size, std::byte(value))};
     }
 
-    std::filesystem::path folder, path;
+    test::TemporaryFolder temporary;
+    std::filesystem::path folder = temporary / "saves", path = folder / "slot1.save";
 };
 
 TEST_F(SaveGameTest, reads_what_was_written_and_keeps_the_one_before) {

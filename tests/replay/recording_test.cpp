@@ -11,6 +11,7 @@
 
 #include "engine/core/write_file.h"
 #include "engine/replay/recorder.h"
+#include "tests/support/temporary_folder.h"
 
 namespace ff::replay {
 namespace {
@@ -18,9 +19,6 @@ namespace {
 class RecordingTest : public testing::Test {
   protected:
     RecordingTest() {
-        path =
-            std::filesystem::path(testing::TempDir()) /
-            (std::string("recording_") + testing::UnitTest::GetInstance()->current_test_info()->name() + ".ffreplay");
         header = {.game = "test",
                   .engine_version = "1.2.3",
                   .pack = "a \"quoted\" name.ffpack",
@@ -30,7 +28,6 @@ class RecordingTest : public testing::Test {
                   .settings = "fov_deg = 70\n",
                   .start = {std::byte(1), std::byte(0), std::byte(255)}};
     }
-    ~RecordingTest() override { std::filesystem::remove(path); }
 
     static loop::UserCommand random_command(std::mt19937& random) {
         loop::UserCommand c;
@@ -84,7 +81,8 @@ class RecordingTest : public testing::Test {
         return {first, first + text->size()};
     }
 
-    std::filesystem::path path;
+    test::TemporaryFolder folder;
+    std::filesystem::path path = folder / "session.ffreplay";
     SessionHeader header;
 };
 

@@ -14,6 +14,7 @@
 #include "engine/scene/save_world.h"
 #include "tests/fuzz/touch_world.h"
 #include "tests/support/animated_worlds.h"
+#include "tests/support/temporary_folder.h"
 
 namespace ff::scene {
 namespace {
@@ -24,15 +25,10 @@ test::AnimatedSource small_source() {
 
 class TempPack {
   public:
-    TempPack() {
-        std::string pattern = (std::filesystem::temp_directory_path() / "ff_animation_XXXXXX").string();
-        folder_ = ::mkdtemp(pattern.data());
-    }
-    ~TempPack() { std::filesystem::remove_all(folder_); }
     [[nodiscard]] std::filesystem::path path() const { return folder_ / "w.ffpack"; }
 
   private:
-    std::filesystem::path folder_;
+    test::TemporaryFolder folder_;
 };
 
 TEST(PackAnimation, a_loaded_world_moves_as_the_one_that_was_written) {

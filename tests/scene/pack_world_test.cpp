@@ -16,6 +16,7 @@
 #include "engine/scene/save_world.h"
 #include "tests/fuzz/pack_surgery.h"
 #include "tests/fuzz/touch_world.h"
+#include "tests/support/temporary_folder.h"
 #include "tests/support/worlds.h"
 
 namespace ff::scene {
@@ -26,11 +27,6 @@ using Bytes = std::vector<std::byte>;
 /// A file that goes with its test.
 class TempPack {
   public:
-    TempPack() {
-        std::string pattern = (std::filesystem::temp_directory_path() / "ff_world_XXXXXX").string();
-        folder_ = ::mkdtemp(pattern.data());
-    }
-    ~TempPack() { std::filesystem::remove_all(folder_); }
     [[nodiscard]] std::filesystem::path path() const { return folder_ / "w.ffpack"; }
     [[nodiscard]] Bytes bytes() const {
         std::ifstream in(path(), std::ios::binary);
@@ -41,7 +37,7 @@ class TempPack {
     }
 
   private:
-    std::filesystem::path folder_;
+    test::TemporaryFolder folder_;
 };
 
 WorldInfo make_info() {
