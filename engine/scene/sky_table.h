@@ -9,7 +9,7 @@ namespace ff::scene {
 /// The sky at one position of the sun, as shading/atmosphere.h makes it: by the height y of a unit direction, rows at
 /// y = (i / (kRows - 1))^2. With h the direction's part towards the sun's azimuth and m its cosine to the sun, light is
 /// (rayleigh + h rayleigh_sunward) (1 + m^2) + (mie + h mie_sunward) (1 + g^2 - 2 g m)^-1.5 + again (1 + h
-/// again_sunward) + night; it shows as 1 - exp(-light).
+/// again_sunward) + night; it shows as 1 - exp(-light - light^2 / 2).
 struct SkyTable {
     static constexpr int kRows = 32;
     struct alignas(16) Row {

@@ -26,7 +26,7 @@ layout(binding = 4) uniform sampler2D sky_panorama;
 const float kPi = 3.14159265358979;
 const float kSoftClipStart = 0.6;
 const float kSoftClipScale = 0.25 / (1.0 - kSoftClipStart);
-const float kFilmColor = 1.25;
+const float kFilmColor = 1.15;
 const float kHazeRate = 8.0;
 const float kSunGlowWide = 0.06;
 const float kSunGlowNarrow = 0.20;
@@ -69,7 +69,7 @@ vec3 encode_srgb(vec3 color) {
 vec3 encode_film(vec3 color) {
     float luminance = dot(color, vec3(0.2126, 0.7152, 0.0722));
     vec3 s = sqrt(clamp(mix(vec3(luminance), color, kFilmColor), 0.0, 1.0));
-    return 0.0 + s * (0.557925 + s * (4.182156 + s * (-6.805220 + s * 3.065139)));
+    return 0.0 + s * (0.495170 + s * (4.059123 + s * (-6.399927 + s * 2.845635)));
 }
 
 vec3 encode_color(vec3 color) {
@@ -125,9 +125,9 @@ vec3 light_of_rows(int a, int b, float t, vec3 direction) {
            vec3(rayleigh.w, rayleigh_sunward.w, mie.w) * (1.0 + level * mie_sunward.w);
 }
 
-// How bright the air's light shows: what is very bright saturates.
+// How bright the air's light shows: what is dark as it is, what is very bright saturates.
 vec3 shown_air(vec3 light) {
-    return 1.0 - exp(-light);
+    return 1.0 - exp(-light * (1.0 + 0.5 * light));
 }
 
 // The sky without the sun's disc. direction: unit.

@@ -25,7 +25,7 @@ constexpr double kNightSky = 0.25;
 /// The eye's adaptation: what remains of a difference in illuminance is its power 1 + this.
 constexpr double kAdaptation = -0.8;
 /// So that level ground in the sun at noon is as bright as by the default daylight.
-constexpr double kExposure = 4.1;
+constexpr double kExposure = 3.8;
 
 /// Sunlight that a ray from the ground gathers.
 struct Scattered {
@@ -93,6 +93,34 @@ SkyLight sky_light(const scene::SkyTable& table, const PlaneVec& to_sun) {
     return sum;
 }
 
+/// Share of the sky that clouds cover; already weak rain and snow fall from a closed sky.
+double cloud_cover(const scene::Weather& weather) {
+    return std::clamp(3.0 * double(std::max(weather.rain, weather.snow)), 0.0, 1.0);
+}
+
+/// Draws clouds over a clear sky: they spread a part of what would lie on level ground, as the CIE's standard overcast
+/// sky (Moon and Spencer 1942), three times as bright above as at the horizon.
+/// @param on_ground  light on white level ground below the clear sky, sun and sky
+void add_clouds(scene::SkyTable& table, double cover, const DVec3& on_ground) {
+    constexpr double kTransmitted = 0.06;
+    const DVec3 tint(0.95, 1.0, 1.09);
+    // Clouds are gray, at 7,000 K: what is blue or red of the light on them is mixed by many ways through them.
+    const DVec3 zenith = 9.0 / 7.0 * kTransmitted * 0.5 * tint * (on_ground + DVec3(luminance(on_ground)));
+    for (int i = 0; i < scene::SkyTable::kRows; ++i) {
+        const double t = double(i) / (scene::SkyTable::kRows - 1);
+        scene::SkyTable::Row& row = table.rows[std::size_t(i)];
+        const DVec3 cloud = (1.0 + 2.0 * t * t) / 3.0 * zenith;
+        const DVec3 again = glm::mix(DVec3(row.again()), cloud, cover);
+        const auto thinned = [&](const Vec4& light, double fourth) {
+            return Vec4((1.0 - cover) * DVec3(light), fourth);
+        };
+        row.rayleigh = thinned(row.rayleigh, again.r);
+        row.rayleigh_sunward = thinned(row.rayleigh_sunward, again.g);
+        row.mie = thinned(row.mie, again.b);
+        row.mie_sunward = thinned(row.mie_sunward, (1.0 - cover) * double(row.again_sunward()));
+    }
+}
+
 }  // namespace
 
 void light_atmosphere(scene::Environment& environment, scene::SkyTable& table) {
@@ -125,9 +153,13 @@ void light_atmosphere(scene::Environment& environment, scene::SkyTable& table) {
     // edge.
     const double risen = std::clamp(0.5 + 0.5 * std::asin(sun_y) / kSunRadius, 0.0, 1.0);
     const double ray_y = std::max(sun_y, 1e-6);
-    const DVec3 sun =
-        risen * transmittance(air, {0.0, kGroundRadiusM + kEyeM}, {std::sqrt(1.0 - ray_y * ray_y), ray_y});
+    DVec3 sun = risen * transmittance(air, {0.0, kGroundRadiusM + kEyeM}, {std::sqrt(1.0 - ray_y * ray_y), ray_y});
     SkyLight sky = sky_light(table, to_sun);
+    if (const double cover = cloud_cover(environment.weather); cover > 0.0) {
+        add_clouds(table, cover, sun * std::max(sun_y, 0.0) / kPi + sky.up);
+        sky = sky_light(table, to_sun);
+        sun *= 1.0 - cover;
+    }
     const DVec3 night = kNightIlluminance / kPi * kNightTint;
     sky.up += night;
     sky.side += 0.5 * night;
@@ -146,7 +178,10 @@ void light_atmosphere(scene::Environment& environment, scene::SkyTable& table) {
     table.rayleigh_per_m = Vec3(kRayleigh);
     table.mie_per_m = Vec3(air.mie);
     table.light_up = exposed(sky.up);
-    const auto shown = [&](const DVec3& light) { return Vec3(1.0) - glm::exp(-(Vec3(light) + table.night)); };
+    const auto shown = [&](const DVec3& light) {
+        const Vec3 all = Vec3(light) + table.night;
+        return Vec3(1.0) - glm::exp(-all * (1.0f + 0.5f * all));
+    };
     environment.sun_radiance = exposed(sun / kPi);
     environment.sky_zenith = shown(light_from(table, 1.0, 0.5 * kPi, to_sun));
     environment.sky_horizon = shown(mean_light_from(table, 0.0, to_sun));

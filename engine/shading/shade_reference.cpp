@@ -140,9 +140,9 @@ DVec3 panorama_texel(const scene::Environment& environment, std::int64_t i, std:
     return {glm::unpackHalf1x16(texel[0]), glm::unpackHalf1x16(texel[1]), glm::unpackHalf1x16(texel[2])};
 }
 
-/// How bright the air's light shows: what is very bright saturates.
+/// How bright the air's light shows: what is dark as it is, what is very bright saturates.
 DVec3 shown_air(const DVec3& light) {
-    return DVec3(1.0) - glm::exp(-light);
+    return DVec3(1.0) - glm::exp(-light * (1.0 + 0.5 * light));
 }
 
 /// The light of two rows of the sky's table, `t` of the way between them; without sun and night.

@@ -21,10 +21,10 @@ inline constexpr float kEncode[5] = {-0.0370060697f, 1.44790652f, -0.944849486f,
 inline constexpr float kEncodeLinearEnd = 0.0031308f;
 /// Likewise for the pictures of an atmosphere, whose light is as measured: a screen, far darker than daylight, needs
 /// more contrast and colour than that to look alike (Hunt 1952, Stevens 1963). Film gives contrast by its curve, x^1.25
-/// / (0.65 x^1.25 + 0.35) for linear [0, 1], which these are within 4.5/255 of once encoded, and colour by kFilmColor:
+/// / (0.6 x^1.25 + 0.4) for linear [0, 1], which these are within 4.2/255 of once encoded, and colour by kFilmColor:
 /// differences from the luminance grow by so much.
-inline constexpr float kFilm[5] = {0.0f, 0.557925f, 4.182156f, -6.805220f, 3.065139f};
-inline constexpr float kFilmColor = 1.25f;
+inline constexpr float kFilm[5] = {0.0f, 0.495170f, 4.059123f, -6.399927f, 2.845635f};
+inline constexpr float kFilmColor = 1.15f;
 inline constexpr float kLuminance[3] = {0.2126f, 0.7152f, 0.0722f};
 
 /// Per unit of a direction's height below the horizon, how fast the sky turns into haze.

@@ -120,11 +120,12 @@ struct TowardSun {
     static HWY_INLINE Rgb rgb_of(const Quad& q) { return {q.a, q.b, q.c}; }
 };
 
-/// How bright the air's light shows: what is very bright saturates.
+/// How bright the air's light shows: what is dark as it is, what is very bright saturates.
 HWY_INLINE Rgb shown_air(const Rgb& light) {
-    const VF one = splat(1.0f);
-    return {hn::Sub(one, exp_negative(light.r)), hn::Sub(one, exp_negative(light.g)),
-            hn::Sub(one, exp_negative(light.b))};
+    const auto shown = [](VF x) HWY_ATTR {
+        return hn::Sub(splat(1.0f), exp_negative(hn::MulAdd(hn::Mul(x, x), splat(0.5f), x)));
+    };
+    return {shown(light.r), shown(light.g), shown(light.b)};
 }
 
 /// The sky of an atmosphere without the sun's disc. y: of the unit direction that `toward` is of.
