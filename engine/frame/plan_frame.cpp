@@ -147,7 +147,11 @@ void use_panorama_or_draw_smaller(const FrameSettings& settings, const budget::C
 /// What the panorama does for the frame, and where it cannot help, how large the frame is drawn.
 void use_panorama(const FrameSettings& settings, const budget::Choice& choice, const Camera& camera,
                   const FrameHistory& history, FramePlan& plan) {
-    const bool rests = settings.use_panorama && history.rest_frames >= kRestFrames;
+    const int face_size = history.panorama ? history.panorama->settings().face_size
+                                           : farfield::Panorama::face_size_for(plan.view, settings.panorama_density);
+    const bool is_sharp = !farfield::Panorama::is_too_coarse(face_size, plan.view, settings.panorama_density);
+    const bool may_use = settings.use_panorama && is_sharp;
+    const bool rests = may_use && history.rest_frames >= kRestFrames;
     if (!history.has_frame) {
         plan.fill_panorama = rests;
         return;
@@ -157,11 +161,11 @@ void use_panorama(const FrameSettings& settings, const budget::Choice& choice, c
     plan.fill_panorama = rests;
     const bool reuses_while_moving =
         settings.reuse_while_moving || (settings.budget_ms > 0.0 && choice.look_up_panorama);
-    plan.look_up_panorama = settings.use_panorama && (reuses_while_moving || plan.fill_panorama);
+    plan.look_up_panorama = may_use && (reuses_while_moving || plan.fill_panorama);
     // A frame that nearly fills its budget is remembered, for the next may not fit.
     constexpr double kTightShare = 0.6;
     const bool tight = settings.budget_ms > 0.0 && choice.predicted_ms > kTightShare * settings.budget_ms;
-    plan.store_panorama = settings.use_panorama && !plan.fill_panorama && (plan.look_up_panorama || tight);
+    plan.store_panorama = may_use && !plan.fill_panorama && (plan.look_up_panorama || tight);
 }
 
 /// Light comes from the sun's place, and clouds with what falls.
