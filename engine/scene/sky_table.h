@@ -22,7 +22,7 @@ struct SkyTable {
     Vec3 night{0.0f};                       ///< light of the sky at night, from everywhere
     Vec3 light_up{0.0f}, light_side{0.0f};  ///< on white surfaces that face up and sideways, without the sun
     Vec3 rayleigh_per_m{0.0f};              ///< extinction at height 0
-    Vec3 mie_per_m{0.0f};       ///< likewise
+    Vec3 mie_per_m{0.0f};                   ///< likewise
 };
 
 }  // namespace ff::scene
