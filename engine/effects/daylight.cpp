@@ -19,6 +19,7 @@ Vec3 rounded_sun(const Vec3& to_sun, float step_rad) {
 struct Daylight::Lit {
     Vec3 to_sun{0.0f};
     scene::Atmosphere atmosphere;
+    scene::Weather weather;
     scene::SkyTable table;
     scene::Environment light;  ///< colours alone
 };
@@ -33,9 +34,11 @@ void Daylight::light(scene::Environment& environment) {
         return;
     }
     if (!lit_) lit_ = std::make_unique<Lit>();
-    if (lit_->to_sun != environment.to_sun || lit_->atmosphere != environment.atmosphere) {
+    if (lit_->to_sun != environment.to_sun || lit_->atmosphere != environment.atmosphere ||
+        lit_->weather != environment.weather) {
         lit_->to_sun = environment.to_sun;
         lit_->atmosphere = environment.atmosphere;
+        lit_->weather = environment.weather;
         lit_->light = environment;
         shading::light_atmosphere(lit_->light, lit_->table);
         ++made_;

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
+#include "engine/shading/shading_model.h"
+
 namespace ff::effects {
 namespace {
 
@@ -28,13 +30,10 @@ struct Kind {
 constexpr Kind kRain{9.0, 0.0, 1.0 / 50.0, 0.004, 2.0, 0.45f, 1};
 constexpr Kind kSnow{1.1, 0.25, 0.0, 0.018, 3.0, 0.9f, 2};
 
-std::uint32_t encoded(const Vec3& linear) {
+std::uint32_t encoded(const Vec3& linear, bool by_film) {
+    const DVec3 color = shading::encode_color(DVec3(linear), by_film);
     std::uint32_t out = 0;
-    for (int k = 0; k < 3; ++k) {
-        const float x = std::clamp(linear[k], 0.0f, 1.0f);
-        const float s = x <= 0.0031308f ? 12.92f * x : 1.055f * std::pow(x, 1.0f / 2.4f) - 0.055f;
-        out |= std::uint32_t(255.0f * s + 0.5f) << 8 * k;
-    }
+    for (int k = 0; k < 3; ++k) out |= std::uint32_t(255.0 * color[k] + 0.5) << 8 * k;
     return out;
 }
 
@@ -51,9 +50,9 @@ void blend(std::uint32_t color, float alpha, std::uint32_t& pixel) {
 /// Draws a frame's drops, one after the other: later ones over earlier ones.
 class Painter {
   public:
-    Painter(const PinholeView& view, const farfield::VisibilityBuffer& visible, const Shelter& shelter, Vec3 light,
-            shading::Image& out)
-        : view_(view), visible_(visible), shelter_(shelter), color_(encoded(light)), out_(out) {}
+    Painter(const PinholeView& view, const farfield::VisibilityBuffer& visible, const Shelter& shelter,
+            const Fall& fall, shading::Image& out)
+        : view_(view), visible_(visible), shelter_(shelter), color_(encoded(fall.light, fall.by_film)), out_(out) {}
 
     std::uint64_t draw(const Kind& kind, float strength, const Fall& fall) {
         const double side = kFallSideM;
@@ -183,7 +182,7 @@ std::uint64_t Shelter::update(const WorldPos& eye, farfield::RayCaster& caster) 
 
 std::uint64_t draw_fall(const Fall& fall, const PinholeView& view, const farfield::VisibilityBuffer& visible,
                         const Shelter& shelter, shading::Image& out) {
-    Painter painter(view, visible, shelter, fall.light, out);
+    Painter painter(view, visible, shelter, fall, out);
     std::uint64_t shown = 0;
     if (fall.weather.rain > 0.0f) shown += painter.draw(kRain, fall.weather.rain, fall);
     if (fall.weather.snow > 0.0f) shown += painter.draw(kSnow, fall.weather.snow, fall);

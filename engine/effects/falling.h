@@ -49,7 +49,8 @@ struct Fall {
     scene::Weather weather;
     double time_s = 0.0;   ///< any clock of the game's; the same time gives the same drops
     float density = 1.0f;  ///< share of the drops and flakes that are drawn. [0, 1]
-    Vec3 light{1.0f};      ///< linear colour of what falls: the sky's at the horizon
+    Vec3 light{1.0f};      ///< linear colour of what falls
+    bool by_film = false;  ///< how the picture holds it: as shading::encode_color
 };
 
 /// Draws what falls over an image. Stateless: where drops are follows from their number and the time alone.

@@ -54,11 +54,23 @@ Panorama::Panorama(const PanoramaSettings& settings) : state_(std::make_unique<S
 
 Panorama::~Panorama() = default;
 
+namespace {
+
+/// Of a face, for texels of 0.8 pixels.
+float texels_for(const PinholeView& view, float density) {
+    return density * 2.0f / (0.8f * view.pixel_angle());
+}
+
+}  // namespace
+
 int Panorama::face_size_for(const PinholeView& view, float density) {
-    const float texels = density * 2.0f / (0.8f * view.pixel_angle());
-    int size = (int(std::min(texels, 2032.0f)) + kTileSize - 1) / kTileSize * kTileSize;
+    int size = (int(std::min(texels_for(view, density), 2032.0f)) + kTileSize - 1) / kTileSize * kTileSize;
     if (size % 256 == 0) size += kTileSize;  // see PanoramaSettings
     return std::clamp(size, 64, 2048);
+}
+
+bool Panorama::is_too_coarse(int face_size, const PinholeView& view, float density) {
+    return 1.5f * float(std::max(face_size, 64)) < texels_for(view, density);
 }
 
 const PanoramaSettings& Panorama::settings() const {

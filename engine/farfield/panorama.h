@@ -107,6 +107,9 @@ class Panorama {
     /// A face size that gives texels of about 0.8 pixels at the image centre, [64, 2048].
     /// @param density  so many times as many texels a side, > 0
     [[nodiscard]] static int face_size_for(const PinholeView& view, float density = 1.0f);
+    /// Whether such a map would show in a view: its texels are more than one and a half times as wide as face_size_for
+    /// means them to be, as through a spyglass, or on a screen of more pixels than the largest map has.
+    [[nodiscard]] static bool is_too_coarse(int face_size, const PinholeView& view, float density = 1.0f);
 
     /// Starts a frame: makes a new confidence record once the viewer has moved more than record_distance_m.
     void begin_frame(const WorldPos& position);

@@ -6,6 +6,7 @@
 
 #include "engine/frame/history.h"
 #include "engine/frame/plan.h"
+#include "engine/scene/sky_table.h"
 
 namespace ff::frame {
 namespace {
@@ -98,10 +99,13 @@ void decide_effects(const scene::StaticScene& scene, const effects::SceneFacts& 
     scene::Weather& weather = plan.environment.weather;
     if (!plan.effects.is_active(EffectId::rain)) weather.rain = 0.0f;
     if (!plan.effects.is_active(EffectId::snow)) weather.snow = 0.0f;
+    const scene::SkyTable* const sky = plan.environment.sky;
     plan.fall = {.weather = weather,
                  .time_s = settings.time_s,
                  .density = settings.fall_density,
-                 .light = plan.environment.sky_horizon};
+                 // White in the light from the side, or the painted sky's colour at the horizon.
+                 .light = sky != nullptr ? sky->light_side : plan.environment.sky_horizon,
+                 .by_film = sky != nullptr && plan.environment.panorama_width == 0};
     plan.lamps_within_m = plan.effects.is_active(EffectId::lamps) ? settings.lamps_within_m : 0.0f;
     if (plan.effects.is_active(EffectId::reflections)) plan.reflection_rays = settings.reflection_rays;
     plan.reflections_within_m = settings.reflections_within_m;
@@ -143,7 +147,11 @@ void use_panorama_or_draw_smaller(const FrameSettings& settings, const budget::C
 /// What the panorama does for the frame, and where it cannot help, how large the frame is drawn.
 void use_panorama(const FrameSettings& settings, const budget::Choice& choice, const Camera& camera,
                   const FrameHistory& history, FramePlan& plan) {
-    const bool rests = settings.use_panorama && history.rest_frames >= kRestFrames;
+    const int face_size = history.panorama ? history.panorama->settings().face_size
+                                           : farfield::Panorama::face_size_for(plan.view, settings.panorama_density);
+    const bool is_sharp = !farfield::Panorama::is_too_coarse(face_size, plan.view, settings.panorama_density);
+    const bool may_use = settings.use_panorama && is_sharp;
+    const bool rests = may_use && history.rest_frames >= kRestFrames;
     if (!history.has_frame) {
         plan.fill_panorama = rests;
         return;
@@ -153,11 +161,20 @@ void use_panorama(const FrameSettings& settings, const budget::Choice& choice, c
     plan.fill_panorama = rests;
     const bool reuses_while_moving =
         settings.reuse_while_moving || (settings.budget_ms > 0.0 && choice.look_up_panorama);
-    plan.look_up_panorama = settings.use_panorama && (reuses_while_moving || plan.fill_panorama);
+    plan.look_up_panorama = may_use && (reuses_while_moving || plan.fill_panorama);
     // A frame that nearly fills its budget is remembered, for the next may not fit.
     constexpr double kTightShare = 0.6;
     const bool tight = settings.budget_ms > 0.0 && choice.predicted_ms > kTightShare * settings.budget_ms;
-    plan.store_panorama = settings.use_panorama && !plan.fill_panorama && (plan.look_up_panorama || tight);
+    plan.store_panorama = may_use && !plan.fill_panorama && (plan.look_up_panorama || tight);
+}
+
+/// Light comes from the sun's place, and clouds with what falls.
+void light_plan(const FrameSettings& settings, FrameHistory& history, scene::Environment& environment) {
+    const scene::Weather weather = environment.weather;
+    if ((settings.without_effects & effects::set_of(effects::EffectId::rain)) != 0) environment.weather.rain = 0.0f;
+    if ((settings.without_effects & effects::set_of(effects::EffectId::snow)) != 0) environment.weather.snow = 0.0f;
+    history.daylight.light(environment);
+    environment.weather = weather;
 }
 
 }  // namespace
@@ -176,7 +193,7 @@ void plan_frame(const scene::StaticScene& scene, const effects::SceneFacts& fact
     if ((settings.without_effects & effects::set_of(effects::EffectId::atmosphere)) != 0)
         plan.environment.atmosphere = {};
     if (settings.weather) plan.environment.weather = *settings.weather;
-    history.daylight.light(plan.environment);
+    light_plan(settings, history, plan.environment);
     decide_effects(scene, facts, settings, plan);
     plan.caster = settings.caster;
     plan.grid_cells_per_item = settings.grid_cells_per_item;

@@ -61,8 +61,9 @@ void draw_mirror(const FramePlan& plan, const Tools& tools, std::size_t mirror, 
         rays += work.moving.draw(view, plan.dynamic, tiles, work.visibility, work.covered, &before).rays;
     const std::uint8_t* const sun_seen =
         find_sun_in_mirror(plan, tools.scene, view, work.visibility, tiles, work.sun_seen, history.sun, stats);
-    shading::shade_tiles(tools.scene, plan.dynamic, view, work.visibility, tiles,
-                         shade_settings(plan, tools, view, sun_seen, history, stats), work.image);
+    shading::ShadeSettings settings = shade_settings(plan, tools, view, sun_seen, history, stats);
+    settings.plain_srgb = true;  // what looks it up is shown by film itself
+    shading::shade_tiles(tools.scene, plan.dynamic, view, work.visibility, tiles, settings, work.image);
     mark_sky(tiles, work.visibility, work.image);
     stats.rays += rays;
     stats.work(effects::EffectId::reflections).rays += rays;

@@ -76,7 +76,7 @@ void main() {
 #elif defined(FOG)
     shaded = add_fog(shaded, ray_length / gl_FragCoord.w);
 #endif
-    color.rgb = encode_srgb(shaded);
+    color.rgb = encode_color(shaded);
 #ifdef BLEND
     color.a = base.a;
 #else

@@ -12,11 +12,12 @@ layout(std140, binding = 1) uniform Shading {
     vec4 horizon;
     vec4 zenith;
     vec4 haze;
-    vec4 panorama_size;  // xy: texels, 0 without one; z: 1 with an atmosphere
+    vec4 panorama_size;  // xy: texels, 0 without one; z: 1 with an atmosphere; w: shown by film
     vec4 sunward;        // xz: unit, level, towards the sun's azimuth
     vec4 night;
-    vec4 air;            // xyz: Rayleigh extinction per metre at the eye; w: haze's and fog's
-    vec4 sky_rows[128];  // scene::SkyTable: rayleigh, rayleigh_sunward, mie, mie_sunward
+    vec4 air;            // xyz: Rayleigh extinction per metre at the eye
+    vec4 haze_air;       // xyz: haze's and fog's
+    vec4 sky_rows[128];  // scene::SkyTable: rayleigh, rayleigh_sunward, mie, mie_sunward; w: scattered again
 } shading;
 // GL_RGBA16F, one level, GL_LINEAR, GL_REPEAT in s, GL_CLAMP_TO_EDGE in t, the zenith's row first. Any texture where the
 // scene has none.
@@ -25,6 +26,7 @@ layout(binding = 4) uniform sampler2D sky_panorama;
 const float kPi = 3.14159265358979;
 const float kSoftClipStart = 0.6;
 const float kSoftClipScale = 0.25 / (1.0 - kSoftClipStart);
+const float kFilmColor = 1.15;
 const float kHazeRate = 8.0;
 const float kSunGlowWide = 0.06;
 const float kSunGlowNarrow = 0.20;
@@ -61,6 +63,17 @@ vec3 encode_srgb(vec3 color) {
     vec3 s = sqrt(x);
     vec3 bright = -0.0370060697 + s * (1.44790652 + s * (-0.944849486 + s * (0.842726083 + s * -0.309520361)));
     return mix(bright, 12.92 * x, lessThan(x, vec3(0.0031308)));
+}
+
+// Likewise, as pictures of an atmosphere are shown.
+vec3 encode_film(vec3 color) {
+    float luminance = dot(color, vec3(0.2126, 0.7152, 0.0722));
+    vec3 s = sqrt(clamp(mix(vec3(luminance), color, kFilmColor), 0.0, 1.0));
+    return 0.0 + s * (0.495170 + s * (4.059123 + s * (-6.399927 + s * 2.845635)));
+}
+
+vec3 encode_color(vec3 color) {
+    return shading.panorama_size.w > 0.0 ? encode_film(color) : encode_srgb(color);
 }
 
 vec3 soft_clip(vec3 x) {
@@ -108,12 +121,13 @@ vec3 light_of_rows(int a, int b, float t, vec3 direction) {
     vec4 mie_sunward = mix(shading.sky_rows[4 * a + 3], shading.sky_rows[4 * b + 3], t);
     float root = inversesqrt(kHazeSquare - kHazeTwice * cosine);
     return (rayleigh.rgb + level * rayleigh_sunward.rgb) * (1.0 + cosine * cosine) +
-           (mie.rgb + level * mie_sunward.rgb) * (root * root * root);
+           (mie.rgb + level * mie_sunward.rgb) * (root * root * root) +
+           vec3(rayleigh.w, rayleigh_sunward.w, mie.w) * (1.0 + level * mie_sunward.w);
 }
 
-// How bright the air's light shows: what is very bright saturates.
+// How bright the air's light shows: what is dark as it is, what is very bright saturates.
 vec3 shown_air(vec3 light) {
-    return 1.0 - exp(-light);
+    return 1.0 - exp(-light * (1.0 + 0.5 * light));
 }
 
 // The sky without the sun's disc. direction: unit.
@@ -145,7 +159,7 @@ vec3 behind_air(vec3 color, float distance_m, vec3 direction) {
     vec3 air = shown_air(light_of_rows(0, 0, 0.0, direction) + shading.night.rgb);
     float climb = distance_m * direction.y;
     vec3 depth = distance_m * (shading.air.rgb * mean_density(climb / kRayleighHeightM) +
-                               shading.air.w * mean_density(climb / kMieHeightM));
+                               shading.haze_air.rgb * mean_density(climb / kMieHeightM));
     return mix(air, color, exp(-depth));
 }
 

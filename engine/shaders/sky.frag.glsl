@@ -4,5 +4,5 @@
 layout(location = 0) out vec4 color;
 
 void main() {
-    color = vec4(encode_srgb(sky_color(normalize(world_direction(ray_uv(gl_FragCoord.xy))))), 1.0);
+    color = vec4(encode_color(sky_color(normalize(world_direction(ray_uv(gl_FragCoord.xy))))), 1.0);
 }

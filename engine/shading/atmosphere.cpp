@@ -6,25 +6,15 @@
 #include <glm/exponential.hpp>
 #include <glm/geometric.hpp>
 
-#include "engine/math/types.h"
+#include "engine/shading/air.h"
+#include "engine/shading/multiple_scattering.h"
 
 namespace ff::shading {
 namespace {
 
-using DVec2 = glm::dvec2;
-
-constexpr double kGroundRadiusM = 6360e3, kTopRadiusM = 6420e3;
-/// Per metre at height 0, at 615, 535 and 445 nm, the middles of sRGB's primaries: the sources' values at 550 nm,
-/// Rayleigh by the inverse fourth power, ozone in proportion to the Chappuis band's cross sections. (At the sources'
-/// 680, 550 and 440 nm ozone takes most of green, and dusk is purple.)
-const DVec3 kRayleigh(8.67e-6, 15.14e-6, 31.6e-6);
-const DVec3 kOzone(2.60e-6, 1.50e-6, 0.090e-6);
+/// Of the eye above the ground.
+constexpr double kEyeM = 2.0;
 constexpr double kGreenRayleigh = 13.558e-6;  ///< at 550 nm, of which turbidity speaks
-constexpr double kOzoneMiddleM = 25e3, kOzoneHalfM = 15e3;
-/// Of haze, the share of what it takes from a ray that it scatters.
-constexpr double kMieAlbedo = 0.9;
-/// Single scattering over all scattering of a clear day's sky, roughly.
-constexpr double kMoreScattering = 2.2;
 /// Sun's angular radius, radians.
 constexpr double kSunRadius = 0.00465;
 /// Full moon and stars on level ground, over the sun above the air.
@@ -32,81 +22,29 @@ constexpr double kNightIlluminance = 1.5e-6;
 const DVec3 kNightTint(0.62, 0.82, 1.25);
 /// Share of it that comes from the whole sky; the rest is the moon's, which is not drawn.
 constexpr double kNightSky = 0.25;
-/// Ground's mean albedo, which light from below has.
-const DVec3 kGroundAlbedo(0.21, 0.19, 0.15);
 /// The eye's adaptation: what remains of a difference in illuminance is its power 1 + this.
 constexpr double kAdaptation = -0.8;
 /// So that level ground in the sun at noon is as bright as by the default daylight.
-constexpr double kExposure = 4.1;
-
-constexpr int kViewSteps = 32, kSunSteps = 10;
-
-struct Air {
-    DVec3 rayleigh;  ///< extinction at height 0
-    double mie;
-
-    struct Density {
-        double rayleigh, mie, ozone;
-    };
-    static Density density(double height_m) {
-        return {std::exp(-height_m / double(kRayleighHeightM)), std::exp(-height_m / double(kMieHeightM)),
-                std::max(0.0, 1.0 - std::abs(height_m - kOzoneMiddleM) / kOzoneHalfM)};
-    }
-    [[nodiscard]] DVec3 extinction(const Density& d) const {
-        return rayleigh * d.rayleigh + DVec3(mie * d.mie) + kOzone * d.ozone;
-    }
-};
-
-/// Way to a sphere around the planet's middle from a point inside it.
-double way_out(const DVec2& from, const DVec2& along, double radius_m) {
-    const double b = glm::dot(from, along);
-    return -b + std::sqrt(std::max(0.0, b * b - glm::dot(from, from) + radius_m * radius_m));
-}
-
-bool hits_ground(const DVec2& from, const DVec2& along) {
-    const double b = glm::dot(from, along);
-    return b < 0.0 && glm::dot(from, from) - b * b < kGroundRadiusM * kGroundRadiusM;
-}
-
-/// Share of a ray's light that leaves the air. Points and directions lie in the plane of zenith and sun.
-DVec3 transmittance(const Air& air, const DVec2& from, const DVec2& along) {
-    if (hits_ground(from, along)) return DVec3(0.0);
-    const double way = way_out(from, along, kTopRadiusM);
-    DVec3 depth(0.0);
-    for (int i = 0; i < kSunSteps; ++i) {
-        // Steps grow: the air is densest where the ray begins.
-        const double t0 = double(i) / kSunSteps, t1 = double(i + 1) / kSunSteps;
-        const double at = way * 0.5 * (t0 * t0 + t1 * t1), step = way * (t1 * t1 - t0 * t0);
-        const double height = glm::length(from + at * along) - kGroundRadiusM;
-        depth += step * air.extinction(Air::density(height));
-    }
-    return glm::exp(-depth);
-}
-
-struct Scattered {
-    DVec3 rayleigh{0.0}, mie{0.0};  ///< without phase functions
-};
+constexpr double kExposure = 3.8;
 
 /// Sunlight that a ray from the ground gathers.
-Scattered gather(const Air& air, const DVec2& along, const DVec2& to_sun) {
-    constexpr double kEyeM = 2.0;
-    const DVec2 eye(0.0, kGroundRadiusM + kEyeM);
-    const double way = way_out(eye, along, kTopRadiusM);
+struct Scattered {
+    DVec3 rayleigh{0.0}, mie{0.0};  ///< scattered once, without phase functions
+    DVec3 again{0.0};               ///< scattered more often
+};
+Scattered gather(const Air& air, const MultipleScattering& multiple, const PlaneVec& along, const PlaneVec& to_sun) {
+    constexpr int kSteps = 32;
+    const PlaneVec eye(0.0, kGroundRadiusM + kEyeM);
     Scattered sum;
-    DVec3 depth(0.0);
-    for (int i = 0; i < kViewSteps; ++i) {
-        const double t0 = double(i) / kViewSteps, t1 = double(i + 1) / kViewSteps;
-        const double at = way * 0.5 * (t0 * t0 + t1 * t1), step = way * (t1 * t1 - t0 * t0);
-        const DVec2 point = eye + at * along;
-        const Air::Density density = Air::density(glm::length(point) - kGroundRadiusM);
-        const DVec3 taken = step * air.extinction(density);
-        // Light of the whole step dims on its way out of it.
-        const DVec3 seen = glm::exp(-depth) * (DVec3(1.0) - glm::exp(-taken)) / glm::max(taken, DVec3(1e-12)) * step;
-        const DVec3 lit = seen * transmittance(air, point, to_sun);
-        sum.rayleigh += lit * air.rayleigh * density.rayleigh;
-        sum.mie += lit * air.mie * kMieAlbedo * density.mie;
-        depth += taken;
-    }
+    march<kSteps>(air, eye, along, way_out(eye, along, kTopRadiusM),
+                  [&](const PlaneVec& point, const Air::Density& density, const DVec3& seen) {
+                      const DVec3 lit = seen * transmittance(air, point, to_sun);
+                      sum.rayleigh += lit * kRayleigh * density.rayleigh;
+                      sum.mie += lit * air.mie * (kMieAlbedo * density.mie);
+                      const double radius = glm::length(point);
+                      const double sun_there = std::asin(std::clamp(glm::dot(point, to_sun) / radius, -1.0, 1.0));
+                      sum.again += seen * air.scattering(density) * multiple.at(radius - kGroundRadiusM, sun_there);
+                  });
     return sum;
 }
 
@@ -115,7 +53,7 @@ double luminance(const DVec3& c) {
 }
 
 /// Light of the table's sky from a direction of height y at an azimuth from the sun's.
-DVec3 light_from(const scene::SkyTable& table, double y, double azimuth, const DVec2& to_sun) {
+DVec3 light_from(const scene::SkyTable& table, double y, double azimuth, const PlaneVec& to_sun) {
     const double level = std::sqrt(std::max(0.0, 1.0 - y * y));
     const double h = level * std::cos(azimuth), m = h * to_sun.x + y * to_sun.y;
     const double at = std::sqrt(y) * (scene::SkyTable::kRows - 1);
@@ -125,11 +63,13 @@ DVec3 light_from(const scene::SkyTable& table, double y, double azimuth, const D
     const auto mixed = [&](const Vec4& from, const Vec4& to) { return glm::mix(DVec3(from), DVec3(to), at - i); };
     const double g = kMieG;
     return (mixed(a.rayleigh, b.rayleigh) + h * mixed(a.rayleigh_sunward, b.rayleigh_sunward)) * (1.0 + m * m) +
-           (mixed(a.mie, b.mie) + h * mixed(a.mie_sunward, b.mie_sunward)) * std::pow(1.0 + g * g - 2.0 * g * m, -1.5);
+           (mixed(a.mie, b.mie) + h * mixed(a.mie_sunward, b.mie_sunward)) * std::pow(1.0 + g * g - 2.0 * g * m, -1.5) +
+           glm::mix(DVec3(a.again()), DVec3(b.again()), at - i) *
+               (1.0 + h * glm::mix(double(a.again_sunward()), double(b.again_sunward()), at - i));
 }
 
 /// Mean over azimuths.
-DVec3 mean_light_from(const scene::SkyTable& table, double y, const DVec2& to_sun) {
+DVec3 mean_light_from(const scene::SkyTable& table, double y, const PlaneVec& to_sun) {
     constexpr int kAzimuths = 12;
     DVec3 sum(0.0);
     for (int k = 0; k < kAzimuths; ++k) sum += light_from(table, y, kPi * (k + 0.5) / kAzimuths, to_sun);
@@ -141,7 +81,7 @@ DVec3 mean_light_from(const scene::SkyTable& table, double y, const DVec2& to_su
 struct SkyLight {
     DVec3 up{0.0}, side{0.0};
 };
-SkyLight sky_light(const scene::SkyTable& table, const DVec2& to_sun) {
+SkyLight sky_light(const scene::SkyTable& table, const PlaneVec& to_sun) {
     constexpr int kHeights = 16;
     SkyLight sum;
     for (int i = 0; i < kHeights; ++i) {
@@ -153,36 +93,73 @@ SkyLight sky_light(const scene::SkyTable& table, const DVec2& to_sun) {
     return sum;
 }
 
+/// Share of the sky that clouds cover; already weak rain and snow fall from a closed sky.
+double cloud_cover(const scene::Weather& weather) {
+    return std::clamp(3.0 * double(std::max(weather.rain, weather.snow)), 0.0, 1.0);
+}
+
+/// Draws clouds over a clear sky: they spread a part of what would lie on level ground, as the CIE's standard overcast
+/// sky (Moon and Spencer 1942), three times as bright above as at the horizon.
+/// @param on_ground  light on white level ground below the clear sky, sun and sky
+void add_clouds(scene::SkyTable& table, double cover, const DVec3& on_ground) {
+    constexpr double kTransmitted = 0.06;
+    const DVec3 tint(0.95, 1.0, 1.09);
+    // Clouds are gray, at 7,000 K: what is blue or red of the light on them is mixed by many ways through them.
+    const DVec3 zenith = 9.0 / 7.0 * kTransmitted * 0.5 * tint * (on_ground + DVec3(luminance(on_ground)));
+    for (int i = 0; i < scene::SkyTable::kRows; ++i) {
+        const double t = double(i) / (scene::SkyTable::kRows - 1);
+        scene::SkyTable::Row& row = table.rows[std::size_t(i)];
+        const DVec3 cloud = (1.0 + 2.0 * t * t) / 3.0 * zenith;
+        const DVec3 again = glm::mix(DVec3(row.again()), cloud, cover);
+        const auto thinned = [&](const Vec4& light, double fourth) {
+            return Vec4((1.0 - cover) * DVec3(light), fourth);
+        };
+        row.rayleigh = thinned(row.rayleigh, again.r);
+        row.rayleigh_sunward = thinned(row.rayleigh_sunward, again.g);
+        row.mie = thinned(row.mie, again.b);
+        row.mie_sunward = thinned(row.mie_sunward, (1.0 - cover) * double(row.again_sunward()));
+    }
+}
+
 }  // namespace
 
 void light_atmosphere(scene::Environment& environment, scene::SkyTable& table) {
     // Haze has the optical depth that makes all of the air's turbidity times clean air's, in green.
-    const double mie = (std::max(1.0f, environment.atmosphere.turbidity) - 1.0) * kGreenRayleigh *
-                       double(kRayleighHeightM / kMieHeightM);
-    const Air air{kRayleigh, mie};
+    const double mie_at_550 = (std::max(1.0f, environment.atmosphere.turbidity) - 1.0) * kGreenRayleigh *
+                              double(kRayleighHeightM / kMieHeightM);
+    const Air air{mie_at_550 * kMieColor};
     const double sun_y = std::clamp(double(environment.to_sun.y), -1.0, 1.0);
-    const DVec2 to_sun(std::sqrt(1.0 - sun_y * sun_y), sun_y);
+    const PlaneVec to_sun(std::sqrt(1.0 - sun_y * sun_y), sun_y);
 
     constexpr int kRows = scene::SkyTable::kRows;
-    const double rayleigh_phase = kMoreScattering * 3.0 / (16.0 * kPi);
-    const double mie_phase = kMoreScattering * (1.0 - double(kMieG) * double(kMieG)) / (4.0 * kPi);
+    const MultipleScattering multiple(air, std::asin(sun_y));
+    const double rayleigh_phase = 3.0 / (16.0 * kPi);
+    const double mie_phase = (1.0 - double(kMieG) * double(kMieG)) / (4.0 * kPi);
     for (int i = 0; i < kRows; ++i) {
         const double t = double(i) / (kRows - 1), y = t * t, level = std::sqrt(std::max(0.0, 1.0 - y * y));
-        const Scattered toward = gather(air, {level, y}, to_sun), away = gather(air, {-level, y}, to_sun);
+        const Scattered toward = gather(air, multiple, {level, y}, to_sun),
+                        away = gather(air, multiple, {-level, y}, to_sun);
         const double slope = 0.5 / std::max(level, 1e-3);
         scene::SkyTable::Row& row = table.rows[std::size_t(i)];
-        row.rayleigh = Vec4(0.5 * rayleigh_phase * (toward.rayleigh + away.rayleigh), 0.0);
-        row.rayleigh_sunward = Vec4(slope * rayleigh_phase * (toward.rayleigh - away.rayleigh), 0.0);
-        row.mie = Vec4(0.5 * mie_phase * (toward.mie + away.mie), 0.0);
-        row.mie_sunward = Vec4(slope * mie_phase * (toward.mie - away.mie), 0.0);
+        const DVec3 again = 0.5 * (toward.again + away.again);
+        const double again_sunward = slope * luminance(toward.again - away.again) / std::max(luminance(again), 1e-30);
+        row.rayleigh = Vec4(0.5 * rayleigh_phase * (toward.rayleigh + away.rayleigh), again.r);
+        row.rayleigh_sunward = Vec4(slope * rayleigh_phase * (toward.rayleigh - away.rayleigh), again.g);
+        row.mie = Vec4(0.5 * mie_phase * (toward.mie + away.mie), again.b);
+        row.mie_sunward = Vec4(slope * mie_phase * (toward.mie - away.mie), again_sunward);
     }
 
     // Of a sun that sets, the part of the disc above the horizon. The ray grazes the ground then: it starts at the
     // edge.
     const double risen = std::clamp(0.5 + 0.5 * std::asin(sun_y) / kSunRadius, 0.0, 1.0);
     const double ray_y = std::max(sun_y, 1e-6);
-    const DVec3 sun = risen * transmittance(air, {0.0, kGroundRadiusM + 2.0}, {std::sqrt(1.0 - ray_y * ray_y), ray_y});
+    DVec3 sun = risen * transmittance(air, {0.0, kGroundRadiusM + kEyeM}, {std::sqrt(1.0 - ray_y * ray_y), ray_y});
     SkyLight sky = sky_light(table, to_sun);
+    if (const double cover = cloud_cover(environment.weather); cover > 0.0) {
+        add_clouds(table, cover, sun * std::max(sun_y, 0.0) / kPi + sky.up);
+        sky = sky_light(table, to_sun);
+        sun *= 1.0 - cover;
+    }
     const DVec3 night = kNightIlluminance / kPi * kNightTint;
     sky.up += night;
     sky.side += 0.5 * night;
@@ -191,14 +168,20 @@ void light_atmosphere(scene::Environment& environment, scene::SkyTable& table) {
         kExposure * std::pow(kPi * luminance(on_ground), kAdaptation) * double(environment.atmosphere.brightness);
     const auto exposed = [&](const DVec3& c) { return Vec3(exposure * c); };
 
-    for (scene::SkyTable::Row& row : table.rows)
+    for (scene::SkyTable::Row& row : table.rows) {
+        const float again_sunward = row.again_sunward();  // a share: stays
         for (Vec4* light : {&row.rayleigh, &row.rayleigh_sunward, &row.mie, &row.mie_sunward})
             *light *= float(exposure);
+        row.mie_sunward.w = again_sunward;
+    }
     table.night = exposed(kNightSky * night);
     table.rayleigh_per_m = Vec3(kRayleigh);
-    table.mie_per_m = float(mie);
+    table.mie_per_m = Vec3(air.mie);
     table.light_up = exposed(sky.up);
-    const auto shown = [&](const DVec3& light) { return Vec3(1.0) - glm::exp(-(Vec3(light) + table.night)); };
+    const auto shown = [&](const DVec3& light) {
+        const Vec3 all = Vec3(light) + table.night;
+        return Vec3(1.0) - glm::exp(-all * (1.0f + 0.5f * all));
+    };
     environment.sun_radiance = exposed(sun / kPi);
     environment.sky_zenith = shown(light_from(table, 1.0, 0.5 * kPi, to_sun));
     environment.sky_horizon = shown(mean_light_from(table, 0.0, to_sun));

@@ -21,9 +21,6 @@ using DVec2 = glm::dvec2;
 double linear_of(double c) {
     return c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4);
 }
-double encoded(double x) {
-    return x <= 0.0031308 ? 12.92 * x : 1.055 * std::pow(x, 1.0 / 2.4) - 0.055;
-}
 DVec3 linear_of(const DVec3& c) {
     return {linear_of(c.x), linear_of(c.y), linear_of(c.z)};
 }
@@ -143,9 +140,9 @@ DVec3 panorama_texel(const scene::Environment& environment, std::int64_t i, std:
     return {glm::unpackHalf1x16(texel[0]), glm::unpackHalf1x16(texel[1]), glm::unpackHalf1x16(texel[2])};
 }
 
-/// How bright the air's light shows: what is very bright saturates.
+/// How bright the air's light shows: what is dark as it is, what is very bright saturates.
 DVec3 shown_air(const DVec3& light) {
-    return DVec3(1.0) - glm::exp(-light);
+    return DVec3(1.0) - glm::exp(-light * (1.0 + 0.5 * light));
 }
 
 /// The light of two rows of the sky's table, `t` of the way between them; without sun and night.
@@ -156,7 +153,9 @@ DVec3 light_of_rows(const ShadingUniforms& uniforms, const scene::SkyTable::Row&
     const auto mixed = [&](const Vec4& from, const Vec4& to) { return glm::mix(DVec3(from), DVec3(to), t); };
     return (mixed(a.rayleigh, b.rayleigh) + h * mixed(a.rayleigh_sunward, b.rayleigh_sunward)) * (1.0 + m * m) +
            (mixed(a.mie, b.mie) + h * mixed(a.mie_sunward, b.mie_sunward)) *
-               std::pow(double(kHazeSquare) - double(kHazeTwice) * m, -1.5);
+               std::pow(double(kHazeSquare) - double(kHazeTwice) * m, -1.5) +
+           glm::mix(DVec3(a.again()), DVec3(b.again()), t) *
+               (1.0 + h * glm::mix(double(a.again_sunward()), double(b.again_sunward()), t));
 }
 
 /// Without the sun's disc. @param d  unit
@@ -188,7 +187,7 @@ DVec3 behind_air(const ShadingUniforms& uniforms, const DVec3& color, double dis
         shown_air(light_of_rows(uniforms, uniforms.sky_rows[0], uniforms.sky_rows[0], 0.0, d) + DVec3(uniforms.night));
     const double climb = distance_m * d.y;
     const DVec3 depth = distance_m * (DVec3(uniforms.air) * mean_density(climb / kRayleighHeightM) +
-                                      DVec3(uniforms.air.w) * mean_density(climb / kMieHeightM));
+                                      DVec3(uniforms.haze_air) * mean_density(climb / kMieHeightM));
     return glm::mix(air, color, glm::exp(-depth));
 }
 
@@ -450,7 +449,7 @@ Vec3 shade_reference(const StaticScene& scene, std::span<const scene::Instance> 
                     ? behind_air(uniforms, color, distance_m, glm::normalize(direction))
                     : glm::mix(DVec3(uniforms.horizon), color, std::exp(-double(uniforms.to_sun.w) * distance_m));
     }
-    return Vec3(encoded(clamp01(color.x)), encoded(clamp01(color.y)), encoded(clamp01(color.z)));
+    return Vec3(encode_color(color, uniforms.panorama_size.w > 0.0f && !settings.plain_srgb));
 }
 
 double reference_lod(const StaticScene& scene, std::span<const scene::Instance> dynamic, const PinholeView& view, int x,

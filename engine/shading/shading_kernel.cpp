@@ -503,7 +503,7 @@ std::uint64_t shade_tile(const ShadeFrame& frame, const farfield::TileRequest& t
                     color = select(is_sky, sky_color(frame.uniforms, frame.scene.environment, d.x, d.y, d.z), color);
                 }
             }
-            const VU encoded = encode_pixels(color);
+            const VU encoded = encode_pixels(color, frame.uniforms.panorama_size.w > 0.0f);
             std::uint32_t* out =
                 frame.out.pixels.data() + std::size_t(y0 + j) * std::size_t(frame.out.stride) + std::size_t(x0 + i);
             if (wanted == lane_bits) {

@@ -7,6 +7,22 @@
 
 namespace ff::shading {
 
+DVec3 encode_color(const DVec3& linear, bool by_film) {
+    const double luminance = glm::dot(linear, DVec3(kLuminance[0], kLuminance[1], kLuminance[2]));
+    DVec3 encoded(0.0);
+    for (int k = 0; k < 3; ++k) {
+        const double shown = by_film ? luminance + double(kFilmColor) * (linear[k] - luminance) : linear[k];
+        const double x = shown > 0.0 ? std::min(shown, 1.0) : 0.0;  // NaN is black
+        if (!by_film) {
+            encoded[k] = x <= 0.0031308 ? 12.92 * x : 1.055 * std::pow(x, 1.0 / 2.4) - 0.055;
+            continue;
+        }
+        const double s = std::sqrt(x);
+        encoded[k] = kFilm[0] + s * (kFilm[1] + s * (kFilm[2] + s * (kFilm[3] + s * double(kFilm[4]))));
+    }
+    return encoded;
+}
+
 ShadingUniforms make_uniforms(const scene::Environment& environment, const PinholeView& view) {
     const Vec3 zenith = environment.sky_zenith, horizon = environment.sky_horizon;
     // Light on surfaces that face up, sideways and down; a parabola in the normal's height goes through all three.
@@ -32,15 +48,15 @@ ShadingUniforms make_uniforms(const scene::Environment& environment, const Pinho
     if (environment.sky == nullptr || has_panorama) return uniforms;
 
     const scene::SkyTable& sky = *environment.sky;
-    uniforms.panorama_size.z = 1.0f;
+    uniforms.panorama_size.z = uniforms.panorama_size.w = 1.0f;
     const Vec3 level(environment.to_sun.x, 0.0f, environment.to_sun.z);
     uniforms.sunward = Vec4(level / std::max(glm::length(level), 1e-6f), 0);
     uniforms.night = Vec4(sky.night, 0);
     const auto thinned = [&](float height_m) {
         return float(std::exp(-std::max(view.position.y, 0.0) / double(height_m)));
     };
-    uniforms.air = Vec4(sky.rayleigh_per_m * thinned(kRayleighHeightM),
-                        sky.mie_per_m * thinned(kMieHeightM) + environment.fog_density_per_m);
+    uniforms.air = Vec4(sky.rayleigh_per_m * thinned(kRayleighHeightM), 0);
+    uniforms.haze_air = Vec4(sky.mie_per_m * thinned(kMieHeightM) + environment.fog_density_per_m, 0);
     std::copy(sky.rows.begin(), sky.rows.end(), uniforms.sky_rows);
     return uniforms;
 }

@@ -19,6 +19,13 @@ inline constexpr float kDecode[5] = {0.0664250691f, 0.195165952f, 1.76834260f, -
 /// Linear to sRGB above kEncodeLinearEnd as a polynomial of sqrt(x), at most 0.2/255 off; below it 12.92 x.
 inline constexpr float kEncode[5] = {-0.0370060697f, 1.44790652f, -0.944849486f, 0.842726083f, -0.309520361f};
 inline constexpr float kEncodeLinearEnd = 0.0031308f;
+/// Likewise for the pictures of an atmosphere, whose light is as measured: a screen, far darker than daylight, needs
+/// more contrast and colour than that to look alike (Hunt 1952, Stevens 1963). Film gives contrast by its curve, x^1.25
+/// / (0.6 x^1.25 + 0.4) for linear [0, 1], which these are within 4.2/255 of once encoded, and colour by kFilmColor:
+/// differences from the luminance grow by so much.
+inline constexpr float kFilm[5] = {0.0f, 0.495170f, 4.059123f, -6.399927f, 2.845635f};
+inline constexpr float kFilmColor = 1.15f;
+inline constexpr float kLuminance[3] = {0.2126f, 0.7152f, 0.0722f};
 
 /// Per unit of a direction's height below the horizon, how fast the sky turns into haze.
 inline constexpr float kHazeRate = 8.0f;
@@ -55,14 +62,20 @@ struct alignas(16) ShadingUniforms {
     Vec4 horizon;        ///< sky at eye level, and the colour of fog
     Vec4 zenith;         //
     Vec4 haze;           ///< what stands below the horizon where the world ends
-    Vec4 panorama_size;  ///< xy: width and height in texels, 0 without one; z: 1 with an atmosphere, else 0
+    Vec4 panorama_size;  ///< xy: width and height in texels, 0 without one; z: 1 with an atmosphere, else 0;
+                         ///< w: likewise, where the picture is encoded by kFilm
     // With an atmosphere (scene::SkyTable):
-    Vec4 sunward;  ///< xz: unit, level, towards the sun's azimuth
-    Vec4 night;    //
-    Vec4 air;      ///< xyz: Rayleigh extinction per metre at the eye; w: haze's and fog's
+    Vec4 sunward;   ///< xz: unit, level, towards the sun's azimuth
+    Vec4 night;     //
+    Vec4 air;       ///< xyz: Rayleigh extinction per metre at the eye
+    Vec4 haze_air;  ///< xyz: haze's and fog's
     scene::SkyTable::Row sky_rows[scene::SkyTable::kRows];
 };
-static_assert(sizeof(ShadingUniforms) == (12 + 4 * scene::SkyTable::kRows) * 16);
+static_assert(sizeof(ShadingUniforms) == (13 + 4 * scene::SkyTable::kRows) * 16);
+
+/// A colour as pixels hold it, [0, 1]: by sRGB, or by film as uniforms.panorama_size.w says.
+/// @param linear  any values
+[[nodiscard]] DVec3 encode_color(const DVec3& linear, bool by_film);
 
 [[nodiscard]] ShadingUniforms make_uniforms(const scene::Environment& environment, const PinholeView& view);
 

@@ -37,6 +37,7 @@ struct ShadeSettings {
     const Reflections* reflections = nullptr;  ///< nullptr: mirrors show the sky alone
     /// How wet and how snowed over is what faces up, [0, 1]; prelit triangles stay as they are.
     float wet = 0.0f, snow_cover = 0.0f;
+    bool plain_srgb = false;  ///< also with an atmosphere, whose pictures are encoded by kFilm: a mirror's own image
 };
 
 /// Colours the pixels that the tiles ask for; all of them must be resolved or sky. Parallel over tiles.

@@ -93,9 +93,28 @@ HWY_INLINE VU encode_srgb8(VF x) {
     return hn::BitCast(du, hn::Add(value, splat(kMagic)));
 }
 
-/// Linear RGB of any value to opaque RGBA8 sRGB.
-HWY_INLINE VU encode_pixels(const Rgb& c) {
-    const VU r = encode_srgb8(clamp01(c.r)), g = encode_srgb8(clamp01(c.g)), b = encode_srgb8(clamp01(c.b));
+/// Likewise by the film's curve.
+HWY_INLINE VU encode_film8(VF x) {
+    const VF s = hn::Sqrt(x);
+    VF sum = hn::MulAdd(s, splat(255.0f * kFilm[4]), splat(255.0f * kFilm[3]));
+    sum = hn::MulAdd(s, sum, splat(255.0f * kFilm[2]));
+    sum = hn::MulAdd(s, sum, splat(255.0f * kFilm[1]));
+    sum = hn::MulAdd(s, sum, splat(kMagic + 255.0f * kFilm[0]));
+    return hn::BitCast(du, sum);
+}
+
+/// Linear RGB of any value to opaque RGBA8, by sRGB or by film.
+HWY_INLINE VU encode_pixels(const Rgb& c, bool by_film) {
+    VU r, g, b;
+    if (by_film) {
+        const VF gray = hn::Mul(splat(1.0f - kFilmColor),
+                                hn::MulAdd(c.r, splat(kLuminance[0]),
+                                           hn::MulAdd(c.g, splat(kLuminance[1]), hn::Mul(c.b, splat(kLuminance[2])))));
+        const auto shown = [&](VF x) HWY_ATTR { return encode_film8(clamp01(hn::MulAdd(x, splat(kFilmColor), gray))); };
+        r = shown(c.r), g = shown(c.g), b = shown(c.b);
+    } else {
+        r = encode_srgb8(clamp01(c.r)), g = encode_srgb8(clamp01(c.g)), b = encode_srgb8(clamp01(c.b));
+    }
     // What kMagic leaves above the low byte is shifted out, or lies where alpha is 255.
     const VU rg = hn::Or(r, hn::ShiftLeft<8>(g));
     return hn::Or(hn::Or(rg, hn::ShiftLeft<16>(b)), hn::Set(du, 0xFF000000u));

@@ -109,18 +109,23 @@ struct TowardSun {
         const VF root = hn::Sqrt(hn::NegMulAdd(cosine, splat(kHazeTwice), splat(kHazeSquare)));
         mie = hn::Div(splat(1.0f), hn::Mul(hn::Mul(root, root), root));
     }
-    HWY_INLINE Rgb light(const Rgb& rayleigh0, const Rgb& rayleigh_sunward, const Rgb& mie0,
-                         const Rgb& mie_sunward) const {
-        const Rgb haze = multiply(mie, multiply_add(level, mie_sunward, mie0));
-        return multiply_add(rayleigh, multiply_add(level, rayleigh_sunward, rayleigh0), haze);
+    /// Of a row of scene::SkyTable, which is four vectors.
+    HWY_INLINE Rgb light(const Quad& rayleigh0, const Quad& rayleigh_sunward, const Quad& mie0,
+                         const Quad& mie_sunward) const {
+        const Rgb haze = multiply(mie, multiply_add(level, rgb_of(mie_sunward), rgb_of(mie0)));
+        const VF growth = hn::MulAdd(level, mie_sunward.d, splat(1.0f));
+        const Rgb again = multiply_add(growth, {rayleigh0.d, rayleigh_sunward.d, mie0.d}, haze);
+        return multiply_add(rayleigh, multiply_add(level, rgb_of(rayleigh_sunward), rgb_of(rayleigh0)), again);
     }
+    static HWY_INLINE Rgb rgb_of(const Quad& q) { return {q.a, q.b, q.c}; }
 };
 
-/// How bright the air's light shows: what is very bright saturates.
+/// How bright the air's light shows: what is dark as it is, what is very bright saturates.
 HWY_INLINE Rgb shown_air(const Rgb& light) {
-    const VF one = splat(1.0f);
-    return {hn::Sub(one, exp_negative(light.r)), hn::Sub(one, exp_negative(light.g)),
-            hn::Sub(one, exp_negative(light.b))};
+    const auto shown = [](VF x) HWY_ATTR {
+        return hn::Sub(splat(1.0f), exp_negative(hn::MulAdd(hn::Mul(x, x), splat(0.5f), x)));
+    };
+    return {shown(light.r), shown(light.g), shown(light.b)};
 }
 
 /// The sky of an atmosphere without the sun's disc. y: of the unit direction that `toward` is of.
@@ -135,7 +140,8 @@ HWY_INLINE Rgb atmosphere_light(const ShadingUniforms& uniforms, const TowardSun
     const float* rows = &uniforms.sky_rows[0].rayleigh.x;
     const auto mixed = [&](int place) HWY_ATTR {
         const Quad a = load_quad(rows + place, offset), b = load_quad(rows + place + kRowFloats, offset);
-        return mix({a.a, a.b, a.c}, {b.a, b.b, b.c}, t);
+        const auto mix_one = [&](VF from, VF to) HWY_ATTR { return hn::MulAdd(hn::Sub(to, from), t, from); };
+        return Quad{mix_one(a.a, b.a), mix_one(a.b, b.b), mix_one(a.c, b.c), mix_one(a.d, b.d)};
     };
     Rgb sky = toward.light(mixed(0), mixed(4), mixed(8), mixed(12));
     sky = shown_air(multiply_add(splat(1.0f), splat(uniforms.night), sky));
@@ -170,14 +176,18 @@ HWY_INLINE VF mean_density(VF x) {
 HWY_INLINE Rgb behind_air(const ShadingUniforms& uniforms, const Rgb& color, VF distance_m, VF x, VF y, VF z) {
     const TowardSun toward(uniforms, x, y, z);
     const auto& row = uniforms.sky_rows[0];
-    Rgb air = toward.light(splat(row.rayleigh), splat(row.rayleigh_sunward), splat(row.mie), splat(row.mie_sunward));
+    const auto everywhere = [](const Vec4& v) HWY_ATTR { return Quad{splat(v.x), splat(v.y), splat(v.z), splat(v.w)}; };
+    Rgb air = toward.light(everywhere(row.rayleigh), everywhere(row.rayleigh_sunward), everywhere(row.mie),
+                           everywhere(row.mie_sunward));
     air = shown_air(multiply_add(splat(1.0f), splat(uniforms.night), air));
     const VF climb = hn::Mul(distance_m, y);
-    const VF haze =
-        hn::Mul(hn::Mul(distance_m, splat(uniforms.air.w)), mean_density(hn::Mul(climb, splat(1.0f / kMieHeightM))));
+    const VF haze = hn::Mul(distance_m, mean_density(hn::Mul(climb, splat(1.0f / kMieHeightM))));
     const VF rayleigh = hn::Mul(distance_m, mean_density(hn::Mul(climb, splat(1.0f / kRayleighHeightM))));
-    const auto clear = [&](float per_m) HWY_ATTR { return exp_negative(hn::MulAdd(rayleigh, splat(per_m), haze)); };
-    const VF r = clear(uniforms.air.x), g = clear(uniforms.air.y), b = clear(uniforms.air.z);
+    const auto clear = [&](float rayleigh_per_m, float haze_per_m) HWY_ATTR {
+        return exp_negative(hn::MulAdd(rayleigh, splat(rayleigh_per_m), hn::Mul(haze, splat(haze_per_m))));
+    };
+    const VF r = clear(uniforms.air.x, uniforms.haze_air.x), g = clear(uniforms.air.y, uniforms.haze_air.y),
+             b = clear(uniforms.air.z, uniforms.haze_air.z);
     return {hn::MulAdd(hn::Sub(color.r, air.r), r, air.r), hn::MulAdd(hn::Sub(color.g, air.g), g, air.g),
             hn::MulAdd(hn::Sub(color.b, air.b), b, air.b)};
 }

@@ -56,6 +56,23 @@ TEST_F(FrameTest, a_walking_hybrid_draws_what_raycast_draws) {
     }
 }
 
+TEST_F(FrameTest, who_stands_and_takes_a_spyglass_sees_as_sharply_as_by_raycast) {
+    Renderer hybrid(scene, casters, nullptr, kWidth, kHeight);
+    Renderer raycast(scene, casters, nullptr, kWidth, kHeight);
+    shading::Image image, reference;
+    Camera camera = street_camera(0.3);
+    for (int f = 0; f < 24; ++f) {
+        camera.vertical_fov = radians_of(f < 8 || f >= 16 ? 60.0 : 5.0);
+        const FrameStats& stats = hybrid.draw(camera, {}, {.fixed_near_m = 0.0}, image);
+        raycast.draw(camera, {}, {.mode = Mode::raycast}, reference);
+        const bool through_spyglass = f >= 8 && f < 16;
+        EXPECT_GE(psnr_db(image, reference), through_spyglass ? 50.0 : 30.0) << "frame " << f;
+        if (f == 7 || f == 23) {
+            EXPECT_GT(stats.pixels.panorama, 0u) << "frame " << f;
+        }
+    }
+}
+
 TEST_F(FrameTest, beams_and_known_primitives_draw_what_raycast_draws) {
     for (const Mode mode : {Mode::beam, Mode::irsa}) {
         Renderer renderer(scene, casters, nullptr, kWidth, kHeight);

@@ -8,7 +8,7 @@
 namespace ff::frame {
 namespace {
 
-FramePlan plan_of(const FrameSettings& settings, int frames_at_rest) {
+FramePlan plan_of(const FrameSettings& settings, int frames_at_rest, double vertical_fov = Camera{}.vertical_fov) {
     const scene::SceneData data = test::make_city({.cells = 2});
     const scene::StaticScene scene = data.view();
     FrameHistory history;
@@ -16,7 +16,8 @@ FramePlan plan_of(const FrameSettings& settings, int frames_at_rest) {
     history.can_rasterise = true;
     FramePlan plan;
     for (int f = 0; f <= frames_at_rest; ++f) {
-        plan_frame(scene, {}, {}, {.position = {0, 2, 0}}, 64, 48, settings, history, plan);
+        plan_frame(scene, {}, {}, {.position = {0, 2, 0}, .vertical_fov = vertical_fov}, 64, 48, settings, history,
+                   plan);
         history.has_frame = true;
         history.last_view = plan.view;
         ++history.frame_number;
@@ -40,6 +41,16 @@ TEST(Plan, a_viewer_who_rests_gets_the_panorama_filled_ahead) {
               "horizon traced, every 1 azimuths\n"
               "panorama looked up and filled ahead, up to 0.5 px\n"
               "rays as many as needed by beam\n");
+}
+
+TEST(Plan, who_looks_through_a_spyglass_gets_no_texels_wider_than_pixels) {
+    const FramePlan wide = plan_of({.fixed_near_m = 0.0}, 4, radians_of(60.0));
+    EXPECT_TRUE(wide.look_up_panorama);
+    // 48 rows in 0.5 degrees: a face of 2048 texels, the largest, has texels four times as wide.
+    const FramePlan narrow = plan_of({.fixed_near_m = 0.0}, 4, radians_of(0.5));
+    EXPECT_FALSE(narrow.look_up_panorama || narrow.fill_panorama || narrow.store_panorama);
+    const FramePlan within_budget = plan_of({.budget_ms = 1000.0, .fixed_near_m = 0.0}, 4, radians_of(0.5));
+    EXPECT_FALSE(within_budget.look_up_panorama || within_budget.fill_panorama || within_budget.store_panorama);
 }
 
 TEST(Plan, a_budget_that_is_short_draws_the_picture_smaller) {

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <cstdlib>
+#include <span>
 #include <string>
 
 #include "engine/core/write_file.h"
@@ -28,6 +29,7 @@ TEST(shading_glsl, has_the_constants_of_the_fast_pass) {
     const std::string text = shader_text();
     ASSERT_FALSE(text.empty());
     EXPECT_EQ(constant_named(text, "kSoftClipStart"), shading::kSoftClipStart);
+    EXPECT_EQ(constant_named(text, "kFilmColor"), shading::kFilmColor);
     EXPECT_EQ(constant_named(text, "kHazeRate"), shading::kHazeRate);
     EXPECT_EQ(constant_named(text, "kSunGlowWide"), shading::kSunGlowWide);
     EXPECT_EQ(constant_named(text, "kSunGlowNarrow"), shading::kSunGlowNarrow);
@@ -46,7 +48,7 @@ TEST(shading_glsl, has_the_constants_of_the_fast_pass) {
 }
 
 /// The literals of a GLSL function's polynomial, in order of appearance.
-void expect_literals(const std::string& text, const std::string& function, const float (&expected)[5]) {
+void expect_literals(const std::string& text, const std::string& function, std::span<const float> expected) {
     std::size_t at = text.find("vec3 " + function + "(");
     ASSERT_NE(at, std::string::npos);
     for (const float value : expected) {
@@ -63,6 +65,8 @@ TEST(shading_glsl, has_the_transfer_functions_of_the_fast_pass) {
     const std::string text = shader_text();
     expect_literals(text, "decode_srgb", shading::kDecode);
     expect_literals(text, "encode_srgb", shading::kEncode);
+    expect_literals(text, "encode_film", shading::kFilm);
+    expect_literals(text, "encode_film", shading::kLuminance);
 }
 
 }  // namespace

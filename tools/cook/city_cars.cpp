@@ -1,5 +1,6 @@
 #include "tools/cook/city_cars.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -34,19 +35,27 @@ class CarWriter {
         mesh_.flat_quad({at(c[3], half[3]), at(c[2], half[2]), at(c[1], half[1]), at(c[0], half[0])}, {}, material,
                         color);
     }
-    void wheel(double x, double radius, std::uint32_t material, std::uint32_t color) {
+    /// A wheel on each side. What the body hides is left out: the tread and the inner face above the axle.
+    void wheels(double x, double radius, std::uint32_t material, std::uint32_t color) {
         constexpr int kSides = 8;
+        constexpr double kWidth = 0.2, kOut = 0.01;
+        const auto rim = [&](int i) {
+            const double angle = 2 * M_PI * i / kSides;
+            return Station{x + radius * std::cos(angle), radius + radius * std::sin(angle)};
+        };
         for (const double side : {-1.0, 1.0}) {
-            const double out = side * (kHalfWidth + 0.03);
-            for (int i = 0; i < kSides; ++i) {
-                const double a = 2 * M_PI * i / kSides, b = 2 * M_PI * (i + 1) / kSides;
-                const Station p{x + radius * std::cos(a), radius + radius * std::sin(a)};
-                const Station q{x + radius * std::cos(b), radius + radius * std::sin(b)};
-                const Station hub{x, radius};
-                if (side < 0)
-                    mesh_.flat_triangle({at(hub, out), at(p, out), at(q, out)}, {}, material, color);
-                else
-                    mesh_.flat_triangle({at(hub, out), at(q, out), at(p, out)}, {}, material, color);
+            const double out = side * (kHalfWidth + kOut), in = out - side * kWidth;
+            const double left = std::max(out, in), right = std::min(out, in);
+            // Counter-clockwise seen from the right.
+            const auto face = [&](double at_side, int a, int b, int c, bool from_right) {
+                const DVec3 p = at(rim(a), at_side), q = at(rim(b), at_side), r = at(rim(c), at_side);
+                mesh_.flat_triangle({p, from_right ? q : r, from_right ? r : q}, {}, material, color);
+            };
+            for (int i = 1; i + 1 < kSides; ++i) face(out, 0, i, i + 1, side < 0);
+            for (int i = kSides / 2; i < kSides; ++i) {
+                if (i + 1 < kSides) face(in, kSides, i, i + 1, side > 0);
+                mesh_.flat_quad({at(rim(i), left), at(rim(i + 1), left), at(rim(i + 1), right), at(rim(i), right)}, {},
+                                material, color);
             }
         }
     }
@@ -101,7 +110,7 @@ void add_car(BlockWriter& writer, const DVec2& middle, const DVec2& ahead, doubl
     car.flanks({tail, screen, roof_front, roof_back}, {h, h, g, g}, glass, kWhite);
     // The floor, seen in no view but closing the body.
     car.across(rear_low, front_low, h, h, writer.materials.plain, pack_color(Vec3(0.02f)));
-    for (const double x : {-1.35, 1.4}) car.wheel(x, 0.32, writer.materials.plain, pack_color(Vec3(0.025f)));
+    for (const double x : {-1.35, 1.4}) car.wheels(x, 0.32, writer.materials.plain, pack_color(Vec3(0.025f)));
 }
 
 }  // namespace ff::cook::city
