@@ -17,9 +17,10 @@ enum class EffectId : std::uint8_t {
     snow,
     sun_shadows,
     transparency,
-    water
+    water,
+    wind
 };
-inline constexpr std::size_t kEffectCount = 9;
+inline constexpr std::size_t kEffectCount = 10;
 
 enum class State : std::uint8_t {
     off,     ///< nothing calls for it: no memory, no shader, no system, no ray, no time

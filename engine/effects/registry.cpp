@@ -24,6 +24,8 @@ constexpr std::array<Effect, kEffectCount> kEffects{{
      "two buffers of the image's size, a search for layers", "BLEND", decide_transparency},
     {EffectId::water, "water", "[[water]] and [terrain] water_m, near the viewer",
      "five trains of waves by pixel of water, which no panorama keeps", "", decide_water},
+    {EffectId::wind, "wind", "[weather] wind_m_s and foliage near the viewer",
+     "three trains of waves by pixel of foliage, whose tiles no panorama keeps", "SWAYS", decide_wind},
 }};
 
 constexpr bool is_in_order() {

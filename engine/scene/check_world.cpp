@@ -24,7 +24,7 @@ constexpr std::size_t kMaxNameBytes = 1024;
 constexpr std::uint32_t kMaxTextureSide = 8192;
 constexpr std::uint32_t kMaxPanoramaSide = 16384;
 constexpr std::uint32_t kMaxGridSize = 4096;
-constexpr std::uint32_t kKnownMaterialFlags = 0x7F;
+constexpr std::uint32_t kKnownMaterialFlags = 0xFF;
 
 bool is_finite(float x) {
     return (std::bit_cast<std::uint32_t>(x) & 0x7F800000u) != 0x7F800000u;

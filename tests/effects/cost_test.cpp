@@ -5,6 +5,7 @@
 #include "engine/core/heap_count.h"
 #include "engine/frame/renderer.h"
 #include "tests/support/town.h"
+#include "tests/support/wind.h"
 #include "tests/support/worlds.h"
 #include "tools/ff/heap_counter.h"
 
@@ -80,6 +81,10 @@ TEST_F(EffectCosts, each_effect_alone_is_paid_for_and_no_other) {
             if (material.flags & scene::kMaterialSpecular) material.flags |= gloss;
         for (scene::Mesh& mesh : data.meshes)
             if (mesh.material_flags & scene::kMaterialSpecular) mesh.material_flags |= gloss;
+        if (effect.id == EffectId::wind) {
+            test::let_leaves_sway(data);
+            data.environment.weather.wind_m_s = {5.0f, 0.0f};
+        }
         if (effect.id == EffectId::lamps)
             data.lamps.push_back({.position = {0.0, 4.0, 50.0}, .on_below_sun_deg = 90.0f});
         // Water mirrors: without rays it has waves alone.

@@ -12,6 +12,7 @@
 #include "engine/math/bounds.h"
 #include "tools/cook/buildings_facade.h"
 #include "tools/cook/cook_copies.h"
+#include "tools/cook/foliage.h"
 #include "tools/cook/gltf_import.h"
 #include "tools/cook/ground_surface.h"
 #include "tools/cook/image_load.h"
@@ -207,6 +208,8 @@ class SceneBuilder {
         FF_TRY(load(Kind::park_tree, town.park_trees));
         FF_TRY(load(Kind::garden_tree, town.garden_trees));
         FF_TRY(load(Kind::bush, town.bushes));
+        for (const Kind kind : {Kind::street_tree, Kind::park_tree, Kind::garden_tree, Kind::bush})
+            for (const Model& plant : models[kind]) mark_foliage(plant, world_);
         for (const city::CityProp& prop : site_.props) {
             const std::vector<Model>& choice = models[prop.kind];
             if (choice.empty()) continue;
@@ -259,6 +262,7 @@ class SceneBuilder {
             if (!is_wanted(described)) continue;
             FF_ASSIGN(const Model* loaded,
                       model(described.file, described.dynamic ? ModelKind::animated : ModelKind::still));
+            if (described.sways) mark_foliage(*loaded, world_);
             const std::vector<double>& p = described.position_m;
             DVec3 position(p.front(), 0, p.back());
             const std::optional<double> below = ground_now()(position.x, position.z);
@@ -338,6 +342,7 @@ class SceneBuilder {
             std::vector<Model> models;
             for (const std::filesystem::path& path : described.files) {
                 FF_ASSIGN(const Model* loaded, model(path));
+                if (described.sways) mark_foliage(*loaded, world_);
                 models.push_back(*loaded);
             }
             ScatterRule rule;

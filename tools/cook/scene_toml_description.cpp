@@ -149,6 +149,7 @@ void read_model(const toml::table& source, TomlReport& report, SceneDescription&
     model.yaw_deg = table.number("yaw_deg", 0, -1e6, 1e6);
     model.scale = table.number("scale", 1, 1e-6, 1e6);
     model.dynamic = table.boolean("dynamic", false);
+    model.sways = table.boolean("sways", false);
     model.name = table.text("name", "");
     model.animation = table.text("animation", "");
     model.animation_phase = table.number("animation_phase", 0, 0, 0.999999);
@@ -208,6 +209,7 @@ void read_scatter(const toml::table& source, TomlReport& report, SceneDescriptio
     scatter.clump_m = table.number("clump_m", 0, 0, 1e5);
     scatter.height_m = pair_of(table.numbers("height_m", 2, 2, -12000, 12000));
     scatter.scale = pair_or(table.numbers("scale", 2, 2, 1e-3, 1e3), {1.0, 1.0});
+    scatter.sways = table.boolean("sways", true);
     scatter.seed = std::uint64_t(table.integer("seed", 1, 0, 1'000'000'000));
     table.finish();
     scene.scatters.push_back(std::move(scatter));

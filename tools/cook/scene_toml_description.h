@@ -52,6 +52,7 @@ struct ModelDescription {
     std::vector<double> position_m{0.0, 0.0};  ///< [x, z] or [x, y, z]
     double yaw_deg = 0, scale = 1;
     bool dynamic = false;
+    bool sways = false;          ///< wind moves its masked materials
     std::string name;            ///< empty: none
     std::string animation;       ///< clip that it plays; empty: the first
     double animation_phase = 0;  ///< [0, 1)
@@ -73,6 +74,7 @@ struct ScatterDescription {
     std::array<double, 2> scale{1, 1};
     std::optional<std::array<double, 2>> height_m;
     std::uint64_t seed = 1;
+    bool sways = true;  ///< wind moves their masked materials
 };
 
 struct LampDescription {
