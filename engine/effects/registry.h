@@ -45,6 +45,7 @@ struct Conditions {
     std::uint64_t reflection_rays = 0;
     float reflections_within_m = 0.0f;
     float wind_within_m = 0.0f;
+    Hearing hearing;
     EffectSet without = 0;  ///< switched off by the user
 };
 
@@ -73,6 +74,7 @@ struct Effect {
 [[nodiscard]] Decision decide_rain(const Conditions& conditions);
 [[nodiscard]] Decision decide_reflections(const Conditions& conditions);
 [[nodiscard]] Decision decide_snow(const Conditions& conditions);
+[[nodiscard]] Decision decide_sound(const Conditions& conditions);
 [[nodiscard]] Decision decide_sun_shadows(const Conditions& conditions);
 [[nodiscard]] Decision decide_transparency(const Conditions& conditions);
 [[nodiscard]] Decision decide_water(const Conditions& conditions);

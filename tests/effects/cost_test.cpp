@@ -89,8 +89,12 @@ TEST_F(EffectCosts, each_effect_alone_is_paid_for_and_no_other) {
             data.lamps.push_back({.position = {0.0, 4.0, 50.0}, .on_below_sun_deg = 90.0f});
         // Water mirrors: without rays it has waves alone.
         const std::uint64_t rays = effect.id == EffectId::water ? 0 : FrameSettings{}.reflection_rays;
-        const FrameStats stats =
-            walk(data.view(), {.fixed_near_m = 0.0, .reflection_rays = rays, .reflections_within_m = 1000.0f});
+        const FrameStats stats = walk(data.view(), {.fixed_near_m = 0.0,
+                                                    .reflection_rays = rays,
+                                                    .reflections_within_m = 1000.0f,
+                                                    .hearing = {.is_called_for = effect.id == EffectId::sound,
+                                                                .has_device = effect.id == EffectId::sound,
+                                                                .voices = effect.id == EffectId::sound ? 1u : 0u}});
         for (const Effect& other : registry()) {
             if (other.id == effect.id) {
                 EXPECT_EQ(stats.effects[other.id].state, State::active) << other.name;

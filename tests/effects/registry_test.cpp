@@ -87,6 +87,18 @@ TEST(EffectRegistry, transparency_is_idle_where_nothing_see_through_is_near) {
     EXPECT_EQ(state(), State::off) << "shown by coverage";
 }
 
+TEST(EffectRegistry, sound_needs_something_to_be_heard_a_device_and_an_ear_nearby) {
+    Place place;
+    const auto decide = [&] { return decide_effects(place.conditions)[EffectId::sound]; };
+    EXPECT_EQ(decide().state, State::off);
+    place.conditions.hearing.is_called_for = true;
+    EXPECT_EQ(decide(), (Decision{State::idle, "no device"}));
+    place.conditions.hearing.has_device = true;
+    EXPECT_EQ(decide().state, State::idle);
+    place.conditions.hearing.voices = 2;
+    EXPECT_EQ(decide().state, State::active);
+}
+
 TEST(EffectRegistry, wind_needs_air_that_moves_and_foliage_near_the_viewer) {
     scene::SceneData data = test::make_forest({.trees = 10, .size_m = 20.0, .leaves = 10});
     scene::StaticScene scene = data.view();

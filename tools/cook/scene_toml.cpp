@@ -23,6 +23,7 @@
 #include "tools/cook/terrain_cache.h"
 #include "tools/cook/town_ground.h"
 #include "tools/cook/walks.h"
+#include "tools/cook/wave_file.h"
 
 namespace ff::cook {
 namespace {
@@ -52,6 +53,7 @@ class SceneBuilder {
         ground_end_ = world_.placements.size();
         FF_TRY(add_scatters());
         FF_TRY(add_lamps());
+        FF_TRY(add_sounds());
         if (scale_ > 1 && !scene_.town) copy_static_content(world_, static_bounds(), scale_);
         context_.end_stage("models");
         set_spawn();
@@ -397,6 +399,23 @@ class SceneBuilder {
                 const DMat3 world_from_model = DMat3(placement.world_from_mesh) * mesh_from_model;
                 lamp.position = placement.position + world_from_model * (offset - part.position);
                 world_.lamps.push_back(lamp);
+            }
+        }
+        return {};
+    }
+
+    Status add_sounds() {
+        for (const SoundDescription& described : scene_.sounds) {
+            FF_ASSIGN(scene::SoundClip clip, read_sound(described.file, described.name));
+            context_.add_input(described.file);
+            const auto id = std::uint32_t(world_.sounds.clips.size());
+            world_.sounds.clips.push_back(std::move(clip));
+            for (const std::vector<double>& p : described.positions_m) {
+                const double y = p.size() == 3 ? p[1] : ground_now()(p.front(), p.back()).value_or(0.0);
+                world_.sounds.sources.push_back({.position = {p.front(), y, p.back()},
+                                                 .clip = id,
+                                                 .reference_m = described.reference_m,
+                                                 .gain = described.gain});
             }
         }
         return {};

@@ -215,6 +215,22 @@ void read_scatter(const toml::table& source, TomlReport& report, SceneDescriptio
     scene.scatters.push_back(std::move(scatter));
 }
 
+void read_sound_table(const toml::table& source, TomlReport& report, SceneDescription& scene) {
+    TomlTable table(source, "[[sound]]", report);
+    SoundDescription sound;
+    sound.file = table.file("file", true);
+    sound.name = table.text("name", "");
+    if (sound.name.empty()) sound.name = sound.file.stem().string();
+    const auto is_same = [&](const SoundDescription& other) { return other.name == sound.name; };
+    if (std::any_of(scene.sounds.begin(), scene.sounds.end(), is_same))
+        table.fail(table.has("name") ? "name" : "file", fmt::format("\"{}\" is there twice", sound.name));
+    sound.positions_m = table.points("positions_m", 2, 3);
+    sound.reference_m = float(table.number("reference_m", sound.reference_m, 0.1, 1e4));
+    sound.gain = float(table.number("gain", sound.gain, 0, 1));
+    table.finish();
+    scene.sounds.push_back(std::move(sound));
+}
+
 void read_lamp(const toml::table& source, TomlReport& report, SceneDescription& scene) {
     TomlTable table(source, "[[lamp]]", report);
     LampDescription lamp;
@@ -332,6 +348,7 @@ Result<SceneDescription> read_scene_description(const std::filesystem::path& pat
     for (const toml::table* source : root.tables("place")) read_place(*source, report, scene);
     check_names_of_places(root, scene);
     for (const toml::table* source : root.tables("scatter")) read_scatter(*source, report, scene);
+    for (const toml::table* source : root.tables("sound")) read_sound_table(*source, report, scene);
     for (const toml::table* source : root.tables("lamp")) read_lamp(*source, report, scene);
     for (const toml::table* source : root.tables("water")) read_water(*source, report, scene);
     if (!scene.waters.empty() && !scene.terrain) root.fail("water", "expected a [terrain] for it to lie in");

@@ -84,6 +84,14 @@ struct LampDescription {
     scene::Lamp lamp;
 };
 
+struct SoundDescription {
+    std::filesystem::path file;
+    std::string name;  ///< empty: the file's, without its ending
+    /// [x, z] on the ground or [x, y, z], a source at each; none: for games to play
+    std::vector<std::vector<double>> positions_m;
+    float reference_m = 5.0f, gain = 1.0f;
+};
+
 struct WalkDescription {
     std::string name;
     std::filesystem::path file;
@@ -102,6 +110,7 @@ struct SceneDescription {
     std::vector<ModelDescription> models;
     std::vector<ScatterDescription> scatters;
     std::vector<LampDescription> lamps;
+    std::vector<SoundDescription> sounds;
     std::vector<WaterDescription> waters;
     std::optional<std::array<double, 3>> spawn;  ///< x, z, yaw
     std::optional<double> spawn_y;
