@@ -15,11 +15,13 @@ enum class EffectId : std::uint8_t {
     rain,
     reflections,
     snow,
+    sound,
     sun_shadows,
     transparency,
-    water
+    water,
+    wind
 };
-inline constexpr std::size_t kEffectCount = 9;
+inline constexpr std::size_t kEffectCount = 11;
 
 enum class State : std::uint8_t {
     off,     ///< nothing calls for it: no memory, no shader, no system, no ray, no time
@@ -43,6 +45,15 @@ struct Decisions {
     [[nodiscard]] Decision& operator[](EffectId id) { return of[std::size_t(id)]; }
     [[nodiscard]] const Decision& operator[](EffectId id) const { return of[std::size_t(id)]; }
     [[nodiscard]] bool is_active(EffectId id) const { return (*this)[id].state == State::active; }
+};
+
+/// What a frame is told of sound, which is heard beside it, not drawn: by whoever opened the world and the device.
+struct Hearing {
+    bool is_called_for = false;  ///< the world has something to be heard
+    bool has_device = false;
+    std::uint32_t voices = 0;  ///< sources that are heard
+
+    friend bool operator==(const Hearing&, const Hearing&) = default;
 };
 
 /// What an effect did in a frame.

@@ -18,12 +18,16 @@ constexpr std::array<Effect, kEffectCount> kEffects{{
      "a buffer and an image of the frame's size, rays by mirrors in their planes", "", decide_reflections},
     {EffectId::snow, "snow", "[weather] snow",
      "snow on the ground by pixel, flakes, a ray for each new square metre of shelter", "", decide_snow},
+    {EffectId::sound, "sound", "[[sound]], near the viewer or played by the game",
+     "a sound device, its thread, a voice for each of the 16 loudest sources", "", decide_sound},
     {EffectId::sun_shadows, "sun_shadows", "[sun] shadows, while the sun is up",
      "a hierarchy of sun boxes, a byte a pixel, rays towards the sun", "", decide_sun_shadows},
     {EffectId::transparency, "transparency", "blended materials near the viewer",
      "two buffers of the image's size, a search for layers", "BLEND", decide_transparency},
     {EffectId::water, "water", "[[water]] and [terrain] water_m, near the viewer",
      "five trains of waves by pixel of water, which no panorama keeps", "", decide_water},
+    {EffectId::wind, "wind", "[weather] wind_m_s and foliage near the viewer",
+     "three trains of waves by pixel of foliage, whose tiles no panorama keeps", "SWAYS", decide_wind},
 }};
 
 constexpr bool is_in_order() {

@@ -19,6 +19,7 @@ struct SceneFacts {
     const LampGrid* lamps = nullptr;                    ///< nullptr: there are none
     std::span<const DBox3> water;                       ///< around what holds open water
     std::span<const DBox3> mirrors;                     ///< around what holds other mirrors
+    bool has_foliage = false;                           ///< something sways in wind
 };
 
 /// Boxes around the instances that hold a material with one of these flags.
@@ -37,11 +38,14 @@ struct Conditions {
     std::span<const scene::Instance> dynamic;
     WorldPos eye{0.0};
     bool by_opengl = false;           ///< the rasteriser draws and shades all of the picture
+    bool reprojects = false;          ///< pixels keep the last frame's primitives
     std::optional<bool> sun_shadows;  ///< wanted whatever the scene says
     float blend_within_m = 0.0f;
     float lamps_within_m = 0.0f;
     std::uint64_t reflection_rays = 0;
     float reflections_within_m = 0.0f;
+    float wind_within_m = 0.0f;
+    Hearing hearing;
     EffectSet without = 0;  ///< switched off by the user
 };
 
@@ -70,8 +74,10 @@ struct Effect {
 [[nodiscard]] Decision decide_rain(const Conditions& conditions);
 [[nodiscard]] Decision decide_reflections(const Conditions& conditions);
 [[nodiscard]] Decision decide_snow(const Conditions& conditions);
+[[nodiscard]] Decision decide_sound(const Conditions& conditions);
 [[nodiscard]] Decision decide_sun_shadows(const Conditions& conditions);
 [[nodiscard]] Decision decide_transparency(const Conditions& conditions);
 [[nodiscard]] Decision decide_water(const Conditions& conditions);
+[[nodiscard]] Decision decide_wind(const Conditions& conditions);
 
 }  // namespace ff::effects

@@ -25,13 +25,17 @@ AlphaSurface make_alpha_surface(const scene::StaticScene& scene, const scene::In
     surface.last_level = last_alpha_level(*surface.texture);
     surface.texels = scene.texels.data() + surface.texture->first_texel;
     const Vec2 a = surface.uv[1] - surface.uv[0], b = surface.uv[2] - surface.uv[0];
-    const float texel_area =
-        std::abs(a.x * b.y - a.y * b.x) * float(surface.texture->width) * float(surface.texture->height);
+    const float uv_area = std::abs(a.x * b.y - a.y * b.x);
+    const float texel_area = uv_area * float(surface.texture->width) * float(surface.texture->height);
     const Mat3& m = instance.world_from_mesh;
     const Vec3 p0 = m * corners[0], p1 = m * corners[1], p2 = m * corners[2];
     const float world_area = glm::length(glm::cross(p1 - p0, p2 - p0));
     const float ratio = std::sqrt(texel_area / world_area);
     surface.texels_per_m = std::isfinite(ratio) ? ratio : 0.0f;
+    if ((material.flags & scene::kMaterialSways) != 0) {
+        const float uv_per_m = std::sqrt(uv_area / world_area);
+        surface.sway_uv_per_m = std::isfinite(uv_per_m) ? uv_per_m : 0.0f;
+    }
     return surface;
 }
 

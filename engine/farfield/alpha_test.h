@@ -4,7 +4,7 @@
 //   alpha = base colour factor * vertex colour * nearest texel of the mip whose texels are as large as the ray's
 //           footprint on the triangle, but of no mip with less than 64 texels: those cannot hold a coverage any more
 //           (one texel is all or nothing), and distant trees would lose all leaves at once
-//   masked:  opaque where alpha >= cutoff
+//   masked:  opaque where alpha >= cutoff; foliage is looked up where wind has moved its picture (math/leaf_sway.h)
 //   blended, nearer to the eye than PinholeView::blend_within_m:
 //            opaque where it is solid, alpha being 1 in all four texels around; elsewhere not there at all, being a
 //            transparent layer (layer_finder.h)
@@ -17,6 +17,7 @@
 #include <cmath>
 #include <cstdint>
 
+#include "engine/math/leaf_sway.h"
 #include "engine/scene/static_scene.h"
 #include "engine/scene/texel_address.h"
 
@@ -28,6 +29,7 @@ struct AlphaSurface {
     float alpha[3]{1.0f, 1.0f, 1.0f};         ///< vertex colour times base colour factor
     float cutoff = 0.0f;                      ///< masked only
     float texels_per_m = 0.0f;                ///< of mip 0, along one side, in the world
+    float sway_uv_per_m = 0.0f;               ///< texture widths a metre; 0: no wind moves it
     const scene::Texture* texture = nullptr;  ///< none: the factors alone
     std::uint32_t last_level = 0;             ///< the coarsest mip that still holds a coverage
     const std::uint32_t* texels = nullptr;    ///< of mip 0
@@ -96,11 +98,17 @@ inline constexpr float kAlphaStep = 0.5f / 255.0f;
     return surface.is_blended && distance_m < within_m;
 }
 
+/// Where a surface is hit, for wind to know.
+struct SwayPlace {
+    const LeafSway* sway = nullptr;  ///< nullptr or none: leaves stand still
+    Vec3 from_eye{0.0f};             ///< metres, in the sway's axes
+};
+
 /// Whether the point with barycentrics (1 - b1 - b2, b1, b2) is there. Any float is answered.
 /// @param footprint_m  width of the ray at the hit, metres: depth * PinholeView::pixel_angle(); 0 for a bare ray.
 /// @param in_layer     is_in_layer() of the hit
 [[nodiscard]] inline bool is_opaque_at(const AlphaSurface& surface, float b1, float b2, float footprint_m,
-                                       bool in_layer = false) {
+                                       bool in_layer = false, const SwayPlace& place = {}) {
     if (!surface.is_see_through) return true;
     if (in_layer) return is_solid_at(surface, b1, b2, footprint_m);
     const float b0 = 1.0f - b1 - b2;
@@ -108,7 +116,9 @@ inline constexpr float kAlphaStep = 0.5f / 255.0f;
     std::uint32_t x, y;
     if (surface.texture != nullptr) {
         const scene::Texture& texture = *surface.texture;
-        const Vec2 uv = surface.uv[0] * b0 + surface.uv[1] * b1 + surface.uv[2] * b2;
+        Vec2 uv = surface.uv[0] * b0 + surface.uv[1] * b1 + surface.uv[2] * b2;
+        if (surface.sway_uv_per_m > 0.0f && place.sway != nullptr && !place.sway->is_none())
+            uv += leaf_shift(*place.sway, uv, surface.sway_uv_per_m, place.from_eye);
         const std::uint32_t level = alpha_level(surface, footprint_m);
         const std::uint32_t width = std::max(1u, texture.width >> level);
         x = scene::wrap_texel(uv.x, width, texture.wrap_u);

@@ -17,7 +17,8 @@ namespace beam {
 BeamView::BeamView(const PinholeView& pinhole)
     : view(pinhole),
       camera_from_world(glm::inverse(DMat3(pinhole.world_from_camera))),
-      pixel_angle(pinhole.pixel_angle()) {}
+      pixel_angle(pinhole.pixel_angle()),
+      sway(in_axes(pinhole.sway, pinhole.world_from_camera)) {}
 
 AlphaRays BeamView::alpha_rays(int x, int y) const {
     constexpr float kMiddle = 0.5f * kBeamSize;
@@ -26,7 +27,8 @@ AlphaRays BeamView::alpha_rays(int x, int y) const {
             .u_middle = (float(x) + kMiddle) * view.u_step + view.u_first,
             .v_step = view.v_step,
             .v_middle = (float(y) + kMiddle) * view.v_step + view.v_first,
-            .blend_within_m = view.blend_within_m};
+            .blend_within_m = view.blend_within_m,
+            .sway = sway};
 }
 
 DMat3 BeamView::tile_from_world(int x, int y) const {

@@ -22,6 +22,7 @@ struct AlphaRays {
     float pixel_angle = 0.0f;
     float u_step = 0, u_middle = 0, v_step = 0, v_middle = 0;
     float blend_within_m = 0.0f;  ///< as in PinholeView
+    LeafSway sway;                ///< in the camera's axes
 };
 
 /// A pinhole view as the beams need it. Tile space: X, Y in pixels from the middle of a square of kBeamSize, right and
@@ -38,6 +39,7 @@ struct BeamView {
     PinholeView view;
     DMat3 camera_from_world;
     float pixel_angle = 0.0f;
+    LeafSway sway;  ///< in the camera's axes
 };
 
 /// The requests that share a beam: quarters of a square whose first pixel has multiples of kBeamSize, null where nobody

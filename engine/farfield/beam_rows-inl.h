@@ -14,6 +14,7 @@
 
 #include "engine/farfield/alpha_test.h"
 #include "engine/farfield/beam_setup-inl.h"
+#include "engine/math/leaf_sway-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace ff::farfield::beam {
@@ -126,6 +127,15 @@ HWY_INLINE MF lanes_in_layer(const AlphaRays& rays, VF x, VF y, VF inverse_depth
     return hn::Lt(squared_length(rays, x, y), hn::Mul(within, within));
 }
 
+// Where the wind has moved the picture at the pixels (x, y).
+HWY_NOINLINE void sway(const AlphaRays& rays, const AlphaSurface& surface, VF x, VF y, VF inverse_depth, VF& u, VF& v) {
+    const VF depth = hn::Div(hn::Set(f, 1.0f), inverse_depth);
+    const VF across = hn::MulAdd(x, hn::Set(f, rays.u_step), hn::Set(f, rays.u_middle));
+    const VF up = hn::MulAdd(y, hn::Set(f, rays.v_step), hn::Set(f, rays.v_middle));
+    ff::HWY_NAMESPACE::add_leaf_shift(f, rays.sway, hn::Set(f, surface.sway_uv_per_m), hn::Mul(across, depth),
+                                      hn::Mul(up, depth), hn::Neg(depth), u, v);
+}
+
 // Switches off the lanes of `win` whose point is see-through: is_opaque_at() of alpha_test.h, operation by operation,
 // for a register of pixels. x_at, y_at: the pixels; e: their edge functions.
 HWY_NOINLINE MF opaque_lanes(MF win, AlphaDraw& draw, const LeafScratch& s, int i, VF x_at, VF y_at, const VF (&e)[3],
@@ -172,8 +182,10 @@ HWY_NOINLINE MF opaque_lanes(MF win, AlphaDraw& draw, const LeafScratch& s, int 
         const VF texels = hn::Max(hn::Mul(footprint, hn::Set(f, surface.texels_per_m)), hn::Set(f, 1.0f));
         const VI octave = hn::Sub(hn::ShiftRight<23>(hn::BitCast(si, texels)), hn::Set(si, 127));
         const VI levels = hn::Min(octave, hn::Set(si, std::int32_t(surface.last_level)));
-        const VF u = mix(surface.uv[0].x, surface.uv[1].x, surface.uv[2].x);
-        const VF v = mix(surface.uv[0].y, surface.uv[1].y, surface.uv[2].y);
+        VF u = mix(surface.uv[0].x, surface.uv[1].x, surface.uv[2].x);
+        VF v = mix(surface.uv[0].y, surface.uv[1].y, surface.uv[2].y);
+        if (surface.sway_uv_per_m > 0.0f && !draw.rays.sway.is_none())
+            sway(draw.rays, surface, x_at, y_at, inverse_depth, u, v);
         // Mostly all pixels are on one level; a register is done level by level.
         alignas(64) std::int32_t level_of[16];
         hn::Store(levels, si, level_of);

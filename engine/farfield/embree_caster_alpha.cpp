@@ -26,16 +26,20 @@ void filter_see_through(const RTCFilterFunctionNArguments* arguments) {
         }
         const float depth = RTCRayN_tfar(arguments->ray, count, lane);
         const float footprint_m = cast.pixel_angle * depth;
+        const bool may_be_layer = cast.blend_within_m > 0.0f && surface.is_blended;
+        const bool may_sway = cast.sway != nullptr && surface.sway_uv_per_m > 0.0f;
         bool in_layer = false;
-        if (cast.blend_within_m > 0.0f && surface.is_blended) {
+        SwayPlace place;
+        if (may_be_layer || may_sway) {
             // Instanced geometry gets the ray in its own space.
             Vec3 direction(RTCRayN_dir_x(arguments->ray, count, lane), RTCRayN_dir_y(arguments->ray, count, lane),
                            RTCRayN_dir_z(arguments->ray, count, lane));
             if (placed != RTC_INVALID_GEOMETRY_ID) direction = scene.instances[instance].world_from_mesh * direction;
-            in_layer = is_in_layer(surface, depth * glm::length(direction), cast.blend_within_m);
+            if (may_be_layer) in_layer = is_in_layer(surface, depth * glm::length(direction), cast.blend_within_m);
+            if (may_sway) place = {cast.sway, depth * direction};
         }
         if (!is_opaque_at(surface, RTCHitN_u(arguments->hit, count, lane), RTCHitN_v(arguments->hit, count, lane),
-                          footprint_m, in_layer))
+                          footprint_m, in_layer, place))
             arguments->valid[lane] = 0;
     }
 }

@@ -38,6 +38,7 @@ class PacketCaster {
         rtcInitIntersectContext(&cast_.context);
         cast_.pixel_angle = job.view->pixel_angle();
         cast_.blend_within_m = job.view->blend_within_m;
+        if (!job.view->sway.is_none()) cast_.sway = &job.view->sway;
         cast_.context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
         for (int lane = 0; lane < kWidth; ++lane) {
             packet_.ray.org_x[lane] = job.origin.x;

@@ -315,7 +315,8 @@ class PacketCaster {
                 for (std::size_t i = 0; i < hn::Lanes(df); ++i) {
                     if (std::bit_cast<std::uint32_t>(opaque[i]) == 0) continue;
                     const bool in_layer = is_in_layer(surface, at[i], layer_depth(packet, int(lane + i)));
-                    opaque[i] = is_opaque_at(surface, b1[i], b2[i], pixel_angle * at[i], in_layer) ? 1.0f : 0.0f;
+                    const SwayPlace place{&view_.sway, at[i] * world_direction(packet, int(lane + i))};
+                    opaque[i] = is_opaque_at(surface, b1[i], b2[i], pixel_angle * at[i], in_layer, place) ? 1.0f : 0.0f;
                 }
                 hit = hn::Gt(hn::Load(df, opaque), zero);
                 if (hn::AllFalse(df, hit)) continue;
@@ -337,8 +338,12 @@ class PacketCaster {
 
     /// Depth before which blended hits are transparent layers (alpha_test.h).
     [[nodiscard]] float layer_depth(const Packet& packet, int lane) const {
+        return view_.blend_within_m / glm::length(world_direction(packet, lane));
+    }
+
+    [[nodiscard]] static Vec3 world_direction(const Packet& packet, int lane) {
         const Directions& d = packet.world;
-        return view_.blend_within_m / glm::length(Vec3(d.axis[0][lane], d.axis[1][lane], d.axis[2][lane]));
+        return {d.axis[0][lane], d.axis[1][lane], d.axis[2][lane]};
     }
 
     /// Rays that part go on alone.
@@ -346,8 +351,8 @@ class PacketCaster {
         for (int lane = 0; lane < pixels.count; ++lane) {
             const Vec3 d(packet.world.axis[0][lane], packet.world.axis[1][lane], packet.world.axis[2][lane]);
             CastCost one;
-            const RayHit hit =
-                cast_ray(world_, {view_.position, d}, {view_.pixel_angle(), layer_depth(packet, lane)}, one);
+            const RayHit hit = cast_ray(world_, {view_.position, d},
+                                        {view_.pixel_angle(), layer_depth(packet, lane), &view_.sway}, one);
             cost.nodes += one.nodes;
             cost.triangles += one.triangles;
             packet.instance[lane] = hit.instance;

@@ -91,7 +91,8 @@ void test_triangle(const GridWorld& world, std::uint32_t instance_id, std::uint3
         if (volume == 0.0f) return;  // no place on it that could be looked up
         const AlphaSurface surface = make_alpha_surface(scene, instance, instance_id, triangle);
         const bool in_layer = is_in_layer(surface, t, cone.layer_depth);
-        if (!is_opaque_at(surface, at_b / volume, at_c / volume, cone.pixel_angle * t, in_layer)) return;
+        const SwayPlace place{cone.sway, t * (instance.world_from_mesh * direction)};
+        if (!is_opaque_at(surface, at_b / volume, at_c / volume, cone.pixel_angle * t, in_layer, place)) return;
     }
     hit = {instance_id, triangle, t};
 }

@@ -30,7 +30,8 @@ struct GridWorld {
 /// What the alpha test wants to know of a ray (alpha_test.h); nothing, for a bare one.
 struct RayCone {
     float pixel_angle = 0.0f;
-    float layer_depth = 0.0f;  ///< blended hits with a smaller t are transparent layers
+    float layer_depth = 0.0f;        ///< blended hits with a smaller t are transparent layers
+    const LeafSway* sway = nullptr;  ///< of the view whose eye the ray starts at
 };
 
 /// First hit of one ray. Directions with a NaN or of length 0 hit nothing.

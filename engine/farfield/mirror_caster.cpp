@@ -20,6 +20,7 @@ PinholeView mirrored_view(const PinholeView& view, const MirrorPlane& plane, int
     mirrored.u_step = view.u_step * float(step);
     mirrored.v_step = view.v_step * float(step);
     mirrored.blend_within_m = 0.0f;
+    mirrored.sway = {};  // about another eye; what is mirrored is coarser than leaves move
     return mirrored;
 }
 

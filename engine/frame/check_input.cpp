@@ -100,6 +100,9 @@ Status check_settings(const FrameSettings& settings) {
     if (!(settings.lamps_within_m >= 0.0f && settings.lamps_within_m <= 1e5f))
         return bad_input(
             fmt::format("settings: lamps_within_m {}; expected metres in [0, 100000]", settings.lamps_within_m));
+    if (!(settings.wind_within_m >= 0.0f && settings.wind_within_m <= 1000.0f))
+        return bad_input(
+            fmt::format("settings: wind_within_m {}; expected metres in [0, 1000]", settings.wind_within_m));
     if (!(settings.fall_density >= 0.0f && settings.fall_density <= 1.0f))
         return bad_input(fmt::format("settings: fall_density {}; expected [0, 1]", settings.fall_density));
     if (!(settings.reflections_within_m > 0.0f && settings.reflections_within_m <= 1e5f))

@@ -11,7 +11,7 @@ void FrameHistory::reset(int width, int height) {
         mask->reset(width, height);
     visibility.width = 0;  // whatever its size was: nothing in it counts any more
     fit(width, height);
-    for (auto* scratch : {&wanted, &requests, &to_shade, &to_store}) {
+    for (auto* scratch : {&wanted, &requests, &to_shade, &to_store, &swaying}) {
         scratch->clear();
         scratch->reserve(all_tiles.size());
     }
@@ -24,6 +24,7 @@ void FrameHistory::reset(int width, int height) {
     reflections.reset();  // of one image size
     panorama_light = {};
     panorama_is_full = false;
+    swaying_share = 0.0;
     rest_frames = 0;
     has_frame = false;
     frame_number = 0;

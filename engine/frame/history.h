@@ -16,6 +16,7 @@
 #include "engine/farfield/ray_caster.h"
 #include "engine/farfield/reproject.h"
 #include "engine/farfield/visibility_buffer.h"
+#include "engine/frame/moving_tiles.h"
 #include "engine/frame/reflection_pass.h"
 #include "engine/frame/settings.h"
 #include "engine/frame/stats.h"
@@ -84,6 +85,9 @@ struct FrameHistory {
     farfield::PixelMask coloured;                 ///< scratch: what needs no shading
     std::vector<farfield::TileRequest> to_shade;  ///< scratch: what no cached colour answers
     std::vector<farfield::TileRequest> to_store;  ///< scratch: what the panorama may remember
+    std::vector<farfield::TileRequest> swaying;   ///< scratch: where leaves move, which no panorama answers
+    MovingTiles swaying_tiles;                    ///< scratch: likewise
+    double swaying_share = 0.0;                   ///< of the last frame's tiles, where a panorama was asked
     std::vector<farfield::MovingSphere> moving;   ///< scratch: balls round what moves
     std::vector<farfield::TileRequest> all_tiles;
     bool can_rasterise = false;  ///< there is OpenGL to draw a near field with

@@ -47,6 +47,7 @@ constexpr std::array kLampDistances{KnobValue{1600}, KnobValue{400}, KnobValue{2
                                     KnobValue{100},  KnobValue{50},  KnobValue{0, "none"}};
 constexpr std::array kReflectionRays{KnobValue{400'000}, KnobValue{96'000}, KnobValue{24'000}, KnobValue{6'000},
                                      KnobValue{0, "none"}};
+constexpr std::array kWindDistances{KnobValue{120}, KnobValue{60}, KnobValue{30}, KnobValue{15}, KnobValue{0, "none"}};
 constexpr std::array kFallDensities{KnobValue{1.0}, KnobValue{0.5}, KnobValue{0.25}, KnobValue{0, "none"}};
 constexpr std::array kChecks{KnobValue{1, "on"}, KnobValue{0, "off"}};
 
@@ -127,6 +128,14 @@ const std::array kKnobs{
          .set = [](FrameSettings& s, double v) { s.reflection_rays = std::uint64_t(v); },
          .scope = KnobScope::all,
          .needs_mirrors = true},
+    Knob{.name = "wind_within",
+         .unit = "m",
+         .about = "Leaves farther from the viewer than this stand still in the wind.",
+         .default_value = 60.0,
+         .values = kWindDistances,
+         .set = [](FrameSettings& s, double v) { s.wind_within_m = float(v); },
+         .scope = KnobScope::all,
+         .needs_wind = true},
     Knob{.name = "fall_density",
          .unit = "",
          .about = "Share of the drops and flakes near the viewer that are drawn.",

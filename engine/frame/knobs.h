@@ -40,6 +40,7 @@ struct Knob {
     bool needs_lamps = false;    ///< only where the scene has lamps
     bool needs_mirrors = false;  ///< only where the scene has water or what mirrors
     bool needs_weather = false;  ///< only where rain or snow falls in the scene
+    bool needs_wind = false;     ///< only where wind blows in foliage
 
     /// The value as people read it: its name, or its number with the unit.
     [[nodiscard]] std::string text(double value) const;

@@ -19,7 +19,15 @@ class MovingTiles {
     std::span<const farfield::TileRequest> find(const PinholeView& view, std::span<const scene::Instance> instances,
                                                 std::span<const farfield::TileRequest> tiles);
 
+    /// The same step by step: boxes one by one, then tiles one by one.
+    void begin(const PinholeView& view);
+    void add(const DBox3& bounds);
+    [[nodiscard]] bool has(const farfield::TileRequest& tile) const;
+
   private:
+    PinholeView view_;
+    DMat3 camera_from_world_{1.0};
+    int columns_ = 0, rows_ = 0;
     std::vector<std::uint8_t> touched_;  // by row, then column
     std::vector<farfield::TileRequest> found_;
 };

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "engine/effects/wind.h"
 #include "engine/frame/history.h"
 #include "engine/frame/plan.h"
 #include "engine/scene/sky_table.h"
@@ -90,11 +91,14 @@ void decide_effects(const scene::StaticScene& scene, const effects::SceneFacts& 
                                             .dynamic = plan.dynamic,
                                             .eye = plan.view.position,
                                             .by_opengl = plan.mode == Mode::raster || plan.mode == Mode::near,
+                                            .reprojects = plan.mode == Mode::reproject,
                                             .sun_shadows = sun_shadows,
                                             .blend_within_m = settings.blend_within_m,
                                             .lamps_within_m = settings.lamps_within_m,
                                             .reflection_rays = settings.reflection_rays,
                                             .reflections_within_m = settings.reflections_within_m,
+                                            .wind_within_m = settings.wind_within_m,
+                                            .hearing = settings.hearing,
                                             .without = settings.without_effects});
     scene::Weather& weather = plan.environment.weather;
     if (!plan.effects.is_active(EffectId::rain)) weather.rain = 0.0f;
@@ -115,21 +119,26 @@ void decide_effects(const scene::StaticScene& scene, const effects::SceneFacts& 
     const bool has_layers = plan.effects[EffectId::transparency].state != effects::State::off;
     plan.view.blend_within_m = has_layers ? settings.blend_within_m : 0.0f;
     plan.sun_shadows = plan.effects.is_active(EffectId::sun_shadows);
+    if (plan.effects.is_active(EffectId::wind))
+        plan.view.sway = effects::make_leaf_sway(plan.view.position, weather, settings.time_s, settings.wind_within_m);
 }
 
 /// Draws the frame at a share of the image's sides. Whole pixels, at least one.
 void reduce(const Camera& camera, double resolution, FramePlan& plan) {
     const auto scaled = [&](int pixels) { return std::max(1, int(std::lround(resolution * pixels))); };
-    const float blend_within_m = plan.view.blend_within_m;
+    const PinholeView planned = plan.view;
     plan.view = make_view(camera, scaled(plan.image_width), scaled(plan.image_height));
-    plan.view.blend_within_m = blend_within_m;
+    plan.view.blend_within_m = planned.blend_within_m;
+    plan.view.sway = planned.sway;
 }
 
 /// A budget is kept by drawing smaller, and who rests gets the panorama, which makes frames cheaper than any other.
 void use_panorama_or_draw_smaller(const FrameSettings& settings, const budget::Choice& choice, const Camera& camera,
                                   bool rests, const FrameHistory& history, FramePlan& plan) {
     double resolution = std::min(choice.resolution, double(settings.resolution));
-    if (rests) {
+    // Tiles where leaves move are cast in each frame, at full size: worth it where that fits, too.
+    const bool leaves_fit = history.swaying_share * choice.needed_rays <= choice.affordable_rays;
+    if (rests && leaves_fit) {
         plan.fill_panorama = true;
         plan.look_up_panorama = history.panorama_is_full;
         if (plan.look_up_panorama) return;
@@ -277,6 +286,7 @@ std::string to_text(const FramePlan& plan) {
                             plan.image_height);
     if (plan.sun_shadows)
         text += fmt::format("sun shadows{}\n", plan.reuse_sun ? ", of the last frame where they hold" : "");
+    if (!plan.view.sway.is_none()) text += fmt::format("leaves move within {} m\n", plan.view.sway.within_m);
     if (plan.reflection_rays > 0) text += fmt::format("reflections by about {} rays\n", plan.reflection_rays);
     text += plan.ray_budget == UINT64_MAX ? std::string("rays as many as needed")
                                           : fmt::format("rays at most {}", plan.ray_budget);

@@ -9,6 +9,7 @@
 #include "engine/core/check.h"
 #include "engine/core/stopwatch.h"
 #include "engine/core/work_clock.h"
+#include "engine/effects/wind.h"
 #include "engine/frame/check_input.h"
 #include "engine/nearfield/near_renderer.h"
 
@@ -75,7 +76,11 @@ Renderer::Renderer(const scene::StaticScene& scene, Casters& casters, nearfield:
       lamps_(scene.lamps),
       water_(effects::find_material(scene, scene::kMaterialWater)),
       mirrors_(effects::find_material(scene, scene::kMaterialMirror)),
-      facts_{.layer_index = &layer_index_, .lamps = &lamps_, .water = water_, .mirrors = mirrors_},
+      facts_{.layer_index = &layer_index_,
+             .lamps = &lamps_,
+             .water = water_,
+             .mirrors = mirrors_,
+             .has_foliage = effects::has_foliage(scene)},
       tools_{drawn_, casters, culler_, dynamic_overlay_, layer_index_, facts_, near_renderer},
       width_(width),
       height_(height) {

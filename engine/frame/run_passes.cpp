@@ -7,6 +7,7 @@
 #include "engine/core/check.h"
 #include "engine/core/jobs.h"
 #include "engine/core/log.h"
+#include "engine/effects/wind.h"
 #include "engine/farfield/tile_regroup.h"
 #include "engine/frame/known_frame.h"
 #include "engine/frame/reprojected_frame.h"
@@ -327,6 +328,24 @@ void relight_panorama(const FramePlan& plan, const Tools& tools, FrameHistory& h
     light.is_round = false;
 }
 
+/// Takes tiles in which leaves move from those that the panorama is asked for: it knows them as they stand still.
+void find_swaying(const FramePlan& plan, const Tools& tools, FrameHistory& history, FrameStats& stats) {
+    const TimedPass timed(stats, Pass::panorama);
+    const TimedEffect timed_effect(stats, effects::EffectId::wind);
+    MovingTiles& tiles = history.swaying_tiles;
+    tiles.begin(plan.view);
+    effects::for_foliage_within(tools.scene, plan.view.position, plan.view.sway.within_m,
+                                [&](const DBox3& bounds) { tiles.add(bounds); });
+    history.swaying_share = double(std::count_if(history.all_tiles.begin(), history.all_tiles.end(),
+                                                 [&](const TileRequest& tile) { return tiles.has(tile); })) /
+                            double(history.all_tiles.size());
+    if (!plan.look_up_panorama) return;
+    std::erase_if(history.wanted, [&](const TileRequest& tile) {
+        if (tiles.has(tile)) history.swaying.push_back(tile);
+        return tiles.has(tile);
+    });
+}
+
 /// Answers from the map what it can; the rest is left in history.requests.
 void look_up_panorama(const FramePlan& plan, const Tools& tools, const farfield::PanoramaLimits& limits,
                       FrameHistory& history, shading::Image& image, FrameStats& stats) {
@@ -414,6 +433,9 @@ void draw_surfaces(const FramePlan& plan, const Tools& tools, FrameHistory& hist
         begin_panorama(plan, history);
     }
     if (plan.look_up_panorama || plan.fill_panorama) relight_panorama(plan, tools, history, stats);
+    history.swaying.clear();
+    history.swaying_share = 0.0;
+    if (!plan.view.sway.is_none()) find_swaying(plan, tools, history, stats);
     farfield::PanoramaLimits limits{
         .max_parallax_px = plan.max_parallax_px, .edges = plan.panorama_edges, .ray_budget = plan.ray_budget};
     history.panorama_is_full = false;
@@ -430,6 +452,7 @@ void draw_surfaces(const FramePlan& plan, const Tools& tools, FrameHistory& hist
         casts = &history.requests;
     }
     subtract(history.wanted, *casts, sources.panorama);
+    casts->insert(casts->end(), history.swaying.begin(), history.swaying.end());
     mark(*casts, sources.cast);
 
     // Casts: everything that nothing cheaper has answered.

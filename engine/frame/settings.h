@@ -62,12 +62,15 @@ struct FrameSettings {
     double time_s = 0.0;                    ///< of the game, for what moves by itself: drops, flakes, waves
     /// Lamps farther from the eye than this light nothing. Metres, [0, 100,000]; 0: none does.
     float lamps_within_m = 400.0f;
+    /// Leaves farther from the eye than this stand still, whatever wind there is. Metres, [0, 1000]; 0: all do.
+    float wind_within_m = 60.0f;
     float fall_density = 1.0f;  ///< share of drops and flakes that are drawn. [0, 1]
     /// Rays a frame, about, for what water and glass mirror: as many pixels share one as that takes, up to 8 x 8. 0:
     /// they mirror the sky alone.
     std::uint64_t reflection_rays = 6'000;
     /// Glass and metal farther from the eye than this mirror the sky alone. Metres, (0, 100,000].
     float reflections_within_m = 60.0f;
+    effects::Hearing hearing;                ///< for the list of effects alone
     effects::EffectSet without_effects = 0;  ///< these are off, whatever calls for them
     int sun_refresh_frames = 32;  ///< reused light is looked at anew at least once in so many. [0, 255]; 0: never
     float resolution = 1.0f;      ///< share of the image's sides that is drawn; enlarged to be shown. [0.25, 1]

@@ -17,6 +17,7 @@
 #include "engine/math/camera.h"
 #include "engine/replay/state_hash.h"
 #include "engine/scene/world.h"
+#include "engine/sound/sound_source.h"
 
 namespace ff::host {
 
@@ -44,9 +45,11 @@ struct SunPosition {
 struct GameView {
     Camera camera;
     std::vector<scene::Instance> dynamic;
-    std::vector<animation::ModelState> models;  ///< that move of themselves, in poses of now
-    std::optional<SunPosition> sun;             ///< nothing: as the world has it
-    double time_s = 0.0;                        ///< since the session began: what weather and water move by
+    std::vector<animation::ModelState> models;    ///< that move of themselves, in poses of now
+    std::optional<SunPosition> sun;               ///< nothing: as the world has it
+    std::vector<sound::Emitter> sounds;           ///< that sound on and on, beside the world's own
+    std::vector<sound::SoundEvent> sound_events;  ///< of about the last second; each is played once
+    double time_s = 0.0;                          ///< since the session began: what weather and water move by
     std::vector<HudItem> hud;
     double turn_scale = 1.0;  ///< of looking around: below 1 through a spyglass
 };

@@ -16,6 +16,7 @@
 #include "engine/nearfield/near_renderer.h"
 #include "engine/platform/window.h"
 #include "engine/scene/load_world.h"
+#include "engine/sound/sound_player.h"
 
 namespace ff::host {
 namespace {
@@ -65,6 +66,8 @@ class Player {
     /// Of a frame: what is simulated, seen, and drawn.
     Status frame(double dt);
     Status draw();
+    /// Lets the player hear what the view says; opens a device only for a world that has something to be heard.
+    void hear();
 
     const GameInfo& info_;
     const PlayOptions& options_;
@@ -77,6 +80,8 @@ class Player {
     std::optional<nearfield::NearRenderer> near_renderer_;
     std::optional<Screen> screen_;
     std::optional<ViewDrawer> drawer_;
+    std::optional<sound::SoundPlayer> sound_;
+    bool has_tried_sound_ = false;  ///< with this world
     shading::Image image_;
 
     std::unique_ptr<Session> session_;
@@ -270,6 +275,8 @@ Status Player::take_world(const std::filesystem::path& pack) {
     end_session();
     drawer_.reset();
     near_renderer_.reset();
+    sound_.reset();  // borrows the world's recordings
+    has_tried_sound_ = false;
     world_ = std::move(world);
     near_renderer_.emplace(std::move(renderer));
     drawer_.emplace(*world_, &*near_renderer_);
@@ -277,6 +284,29 @@ Status Player::take_world(const std::filesystem::path& pack) {
     if (settings.start.empty()) controls_.look_at(session_->game().yaw(), session_->game().pitch());
     say(std::move(said));
     return draw_before_play();
+}
+
+void Player::hear() {
+    const scene::SoundSet& sounds = world_->info().sounds;
+    if (sounds.clips.empty()) return;
+    if (settings_.volume == 0.0) {
+        sound_.reset();
+        has_tried_sound_ = false;
+        return;
+    }
+    if (!has_tried_sound_) {
+        has_tried_sound_ = true;
+        if (auto opened = sound::SoundPlayer::open(sounds))
+            sound_.emplace(std::move(*opened));
+        else
+            log_info("played without sound: {}", opened.error().message);
+    }
+    if (!sound_) return;
+    // Nothing sounds behind menus; what ended the game is heard out.
+    if (menu_ != Menu::none && menu_ != Menu::end)
+        sound_->silence();
+    else
+        sound_->update(view_.camera, view_.sounds, view_.sound_events, view_.time_s, float(settings_.volume));
 }
 
 void Player::take_picture() {
@@ -299,6 +329,7 @@ frame::FrameSettings Player::frame_settings() const {
         settings.reuse_while_moving = true;
         settings.max_parallax_px = float(settings_.error_px);
     }
+    settings.hearing = {.has_device = sound_.has_value(), .voices = sound_ ? sound_->voices() : 0};
     return settings;
 }
 
@@ -324,6 +355,7 @@ Status Player::frame(double dt) {
     window_->capture_mouse(plays);
     if (plays) session_->advance(input_, std::llround(1e9 * dt), controls_, view_.turn_scale);
     session_->show(controls_, view_);
+    hear();
     FF_TRY(draw());
     if (plays && session_->game().stage() != Stage::playing) open(Menu::end);
     if (menu_ == Menu::title) view_.hud.clear();

@@ -90,11 +90,12 @@ PlayerSettings default_settings(std::span<const loop::Action> actions) {
 
 std::string to_text(const PlayerSettings& settings) {
     std::string text = fmt::format(
-        "fov_deg = {}\nbudget_ms = {}\nerror_px = {}\nwidth = {}\nheight = {}\nfullscreen = {}\nmouse_speed = "
+        "fov_deg = {}\nbudget_ms = {}\nerror_px = {}\nwidth = {}\nheight = {}\nfullscreen = {}\nvolume = "
+        "{}\nmouse_speed = "
         "{}\ninvert_pitch = {}\n"
         "\n[keys]\n",
         settings.fov_deg, settings.budget_ms, settings.error_px, settings.width, settings.height, settings.fullscreen,
-        settings.mouse_speed, settings.invert_pitch);
+        settings.volume, settings.mouse_speed, settings.invert_pitch);
     for (const loop::Action& action : settings.actions) {
         text += action.name + " = [";
         const char* separator = "";
@@ -124,6 +125,7 @@ Result<PlayerSettings> read_settings(const std::string& text, const std::string&
     reader.integer("width", 64, 8192, settings.width);
     reader.integer("height", 64, 8192, settings.height);
     reader.boolean("fullscreen", settings.fullscreen);
+    reader.number("volume", 0, 1, settings.volume);
     reader.number("mouse_speed", 0.05, 20, settings.mouse_speed);
     reader.boolean("invert_pitch", settings.invert_pitch);
     reader.triggers("keys", settings.actions);

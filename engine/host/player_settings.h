@@ -17,6 +17,7 @@ struct PlayerSettings {
     double error_px = 0.0;
     int width = 640, height = 480;  ///< of the picture, [64, 8192]; the window scales it
     bool fullscreen = false;
+    double volume = 0.8;       ///< of all sound, [0, 1]; 0: no sound device is opened
     double mouse_speed = 1.0;  ///< [0.05, 20]
     bool invert_pitch = false;
     std::vector<loop::Action> actions;  ///< the game's, with the player's keys

@@ -251,6 +251,7 @@ Choice Screen::Impl::draw_settings(const platform::InputState& input, PlayerSett
         ImGui::SameLine();
     }
     ImGui::TextUnformatted("picture");
+    slider("sound", settings.volume, 0.0, 1.0, settings.volume > 0.0 ? "%.2f" : "none");
     slider("mouse", settings.mouse_speed, 0.05, 4.0, "%.2f x");
     ImGui::Checkbox("turn pitch around", &settings.invert_pitch);
     ImGui::Checkbox("full screen (from the next start on)", &settings.fullscreen);

@@ -31,6 +31,7 @@ Status ViewDrawer::draw(const GameView& view, int width, int height, const frame
     dynamic_.insert(dynamic_.end(), posed.begin(), posed.end());
     frame::FrameSettings now = settings;
     now.time_s = view.time_s;
+    now.hearing.is_called_for = !world_.info().sounds.clips.empty();
     if (view.sun) now.to_sun = direction_to(*view.sun);
     stats_ = renderer_->draw(view.camera, dynamic_, now, image);
     return renderer_->refusal();

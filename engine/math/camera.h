@@ -1,6 +1,7 @@
 #pragma once
 // The viewer, and the pinhole view of one frame: which ray belongs to which pixel.
 
+#include "engine/math/leaf_sway.h"
 #include "engine/math/types.h"
 
 namespace ff {
@@ -33,6 +34,7 @@ struct PinholeView {
     /// Blended surfaces nearer to the eye than this, metres along the ray, are transparent layers: whatever finds what
     /// a pixel sees looks past them (farfield/alpha_test.h), and they are blended over it. 0: there are none.
     float blend_within_m = 0;
+    LeafSway sway;  ///< of leaves, about `position`, in world axes
 
     /// Ray direction of a pixel in world axes, |z_camera| = 1 (not unit length).
     [[nodiscard]] Vec3 direction(int x, int y) const {

@@ -15,6 +15,7 @@ struct MaterialUniforms {
     Vec4 base_color;
     Vec4 emissive_cutoff;     ///< w: alpha cutoff, -1 for blended materials
     Vec4 metallic_roughness;  ///< x, y; base colour texture: z texels of level 0, w wraps, -1 for none
+    Vec4 foliage;             ///< x: 1 where wind moves the picture
 };
 static_assert(sizeof(MaterialUniforms) == kMaterialUniformBytes);
 
@@ -33,6 +34,7 @@ constexpr FeatureName kFeatureNames[] = {
     {kFeatureVertexColor, "#define VERTEX_COLOR\n"},
     {kFeatureFog, "#define FOG\n"},
     {kFeatureAir, "#define AIR\n"},
+    {kFeatureSways, "#define SWAYS\n"},
 };
 
 }  // namespace
@@ -50,6 +52,8 @@ std::uint32_t features_of(const scene::Material& material, const scene::Environm
     add(material.base_color_texture != scene::kNoTexture, kFeatureBaseTexture);
     add(layer_of(material) == MaterialLayer::masked, kFeatureAlphaMask);
     add(layer_of(material) == MaterialLayer::blended, kFeatureBlend);
+    const bool blows = environment.weather.wind_m_s != Vec2(0.0f);
+    add(blows && (material.flags & scene::kMaterialSways) != 0, kFeatureSways);
     add(unlit, kFeatureUnlit);
     add(specular, kFeatureSpecular);
     add(specular && material.metallic_roughness_texture != scene::kNoTexture, kFeatureRoughnessTexture);
@@ -99,6 +103,7 @@ Result<MaterialPrograms> make_shaded_programs(const scene::StaticScene& scene, b
             .emissive_cutoff =
                 Vec4(material.emissive, layer_of(material) == MaterialLayer::blended ? -1.0f : material.alpha_cutoff),
             .metallic_roughness = Vec4(material.metallic, material.roughness, texels, wraps),
+            .foliage = Vec4((material.flags & scene::kMaterialSways) != 0 ? 1.0f : 0.0f, 0.0f, 0.0f, 0.0f),
         };
         std::memcpy(bytes.data() + m * out.stride_bytes, &uniforms, sizeof uniforms);
     }

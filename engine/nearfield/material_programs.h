@@ -26,10 +26,11 @@ enum MaterialFeatures : std::uint32_t {
     kFeatureVertexColor = 1u << 7,
     kFeatureFog = 1u << 8,
     kFeatureAir = 1u << 9,
+    kFeatureSways = 1u << 10,
 };
 
 /// Size of a material's block in shaders/material.glsl.
-inline constexpr std::size_t kMaterialUniformBytes = 48;
+inline constexpr std::size_t kMaterialUniformBytes = 64;
 
 [[nodiscard]] std::uint32_t features_of(const scene::Material& material, const scene::Environment& environment,
                                         bool has_vertex_colors);

@@ -243,7 +243,12 @@ Result<NearRenderer> NearRenderer::make(const scene::StaticScene& scene) {
     FF_ASSIGN(impl->gpu, upload_scene(scene));
     FF_ASSIGN(impl->materials, make_shaded_programs(scene, impl->gpu.has_vertex_colors));
     FF_ASSIGN(impl->opaque_ids, gl::Program::make("near_ids.vert.glsl", "near_ids.frag.glsl"));
-    FF_ASSIGN(impl->masked_ids, gl::Program::make("near_ids.vert.glsl", "near_ids.frag.glsl", "#define SEE_THROUGH\n"));
+    const bool sways = std::any_of(scene.materials.begin(), scene.materials.end(), [](const scene::Material& material) {
+        return (material.flags & scene::kMaterialSways) != 0;
+    });
+    FF_ASSIGN(impl->masked_ids,
+              gl::Program::make("near_ids.vert.glsl", "near_ids.frag.glsl",
+                                sways ? "#define SEE_THROUGH\n#define SWAYS\n" : "#define SEE_THROUGH\n"));
     FF_ASSIGN(impl->blended_ids, gl::Program::make("near_ids.vert.glsl", "near_ids.frag.glsl",
                                                    "#define SEE_THROUGH\n#define BLENDED\n", "near_ids.geom.glsl"));
     FF_ASSIGN(impl->sky_program, gl::Program::make("sky.vert.glsl", "sky.frag.glsl"));

@@ -16,7 +16,12 @@ ViewUniforms make_view_uniforms(const PinholeView& view) {
     uniforms.right = Vec4(right, view.u_step);
     uniforms.up = Vec4(up, view.v_step);
     uniforms.back = Vec4(back, view.pixel_angle());
-    uniforms.first = Vec4(view.u_first, view.v_first, view.blend_within_m, 0.0f);
+    uniforms.first = Vec4(view.u_first, view.v_first, view.blend_within_m, view.sway.within_m);
+    const auto train = [](const LeafSway::Train& t) { return Vec4(t.turns_per_m, t.turns); };
+    uniforms.gust = train(view.sway.gust);
+    uniforms.sway_u = train(view.sway.along_u);
+    uniforms.sway_v = train(view.sway.along_v);
+    uniforms.leaves = Vec4(view.sway.amplitude_m, 0.0f, 0.0f, 0.0f);
     return uniforms;
 }
 

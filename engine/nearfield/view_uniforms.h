@@ -18,9 +18,13 @@ struct ViewUniforms {
     Vec4 right{0.0f};   ///< camera's axes in the world; w: u_step
     Vec4 up{0.0f};      ///< w: v_step
     Vec4 back{0.0f};    ///< w: pixel angle
-    Vec4 first{0.0f};   ///< x: u_first, y: v_first, z: blend_within_m
+    Vec4 first{0.0f};   ///< x: u_first, y: v_first, z: blend_within_m, w: LeafSway::within_m
+    Vec4 gust{0.0f};    ///< trains of LeafSway: turns_per_m; w: turns
+    Vec4 sway_u{0.0f};
+    Vec4 sway_v{0.0f};
+    Vec4 leaves{0.0f};  ///< x: LeafSway::amplitude_m
 };
-static_assert(sizeof(ViewUniforms) == 7 * 16);
+static_assert(sizeof(ViewUniforms) == 11 * 16);
 
 [[nodiscard]] ViewUniforms make_view_uniforms(const PinholeView& view);
 

@@ -24,7 +24,7 @@ constexpr std::size_t kMaxNameBytes = 1024;
 constexpr std::uint32_t kMaxTextureSide = 8192;
 constexpr std::uint32_t kMaxPanoramaSide = 16384;
 constexpr std::uint32_t kMaxGridSize = 4096;
-constexpr std::uint32_t kKnownMaterialFlags = 0x7F;
+constexpr std::uint32_t kKnownMaterialFlags = 0xFF;
 
 bool is_finite(float x) {
     return (std::bit_cast<std::uint32_t>(x) & 0x7F800000u) != 0x7F800000u;
@@ -59,7 +59,7 @@ class Checker {
         // Later checks rely on earlier ones.
         if (check_sizes() && check_textures() && check_materials() && check_meshes() && check_cells() &&
             check_instances() && check_vertices() && check_triangles() && check_mesh_trees() && check_instance_tree() &&
-            check_height_grid() && check_environment() && check_lamps() && check_info())
+            check_height_grid() && check_environment() && check_lamps() && check_sounds() && check_info())
             return std::nullopt;
         return problem_;
     }
@@ -97,6 +97,7 @@ class Checker {
     bool check_height_grid();
     bool check_environment();
     bool check_lamps();
+    bool check_sounds();
     bool check_info();
 
     // The tree under nodes[0]; leaf(id) says what is wrong with a leaf's id, "" for nothing.
@@ -451,6 +452,31 @@ bool Checker::check_environment() {
     return each(
         "sky_panorama", e.panorama.size(), [&](std::size_t i) { return (e.panorama[i] & 0x7C00) != 0x7C00; },
         [&](std::size_t i) { return fmt::format("half float {:#06x}; expected a finite one", e.panorama[i]); });
+}
+
+bool Checker::check_sounds() {
+    const SoundSet& sounds = info_.sounds;
+    std::vector<std::string_view> names;
+    for (std::size_t i = 0; i < sounds.clips.size(); ++i) {
+        const SoundClip& clip = sounds.clips[i];
+        if (clip.name.empty() || clip.name.size() > kMaxNameBytes || clip.samples.empty() || clip.rate_hz < 1000 ||
+            clip.rate_hz > 192000)
+            return report("sound_clips", i,
+                          fmt::format("a name of {} bytes, {} samples at {} Hz; expected a name of 1 to {} bytes, at "
+                                      "least one sample, and 1,000 to 192,000 Hz",
+                                      clip.name.size(), clip.samples.size(), clip.rate_hz, kMaxNameBytes));
+        names.push_back(clip.name);
+    }
+    std::sort(names.begin(), names.end());
+    if (const auto twice = std::adjacent_find(names.begin(), names.end()); twice != names.end())
+        return report("sound_clips", 0, fmt::format("two are called \"{}\"; expected names of their own", *twice));
+    for (std::size_t i = 0; i < sounds.sources.size(); ++i) {
+        const SoundSource& source = sounds.sources[i];
+        if (source.clip >= sounds.clips.size() || !is_within(source.position, kMaxWorldCoordinate) ||
+            !is_within(source.reference_m, 0.1, 1e4) || !is_within(source.gain, 0.0, 1.0))
+            return report("sound_sources", i, "a clip, place, reference distance or gain out of range");
+    }
+    return true;
 }
 
 bool Checker::check_info() {

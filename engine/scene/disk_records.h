@@ -52,6 +52,9 @@ inline disk::Texture to_disk(const Texture& t) {
 inline disk::HeightGrid to_disk(const HeightGrid& g) {
     return {g.low_x, g.low_z, g.square_m, g.base_y, g.size};
 }
+inline disk::SoundSource to_disk(const SoundSource& s) {
+    return {to_disk(s.position), s.clip, s.reference_m, s.gain};
+}
 inline disk::Lamp to_disk(const Lamp& l) {
     return {to_disk(l.position), to_disk(l.color), l.lumens, l.radius_m, l.on_below_sun_deg};
 }
@@ -128,6 +131,9 @@ inline Texture from_disk(const disk::Texture& t) {
 }
 inline HeightGrid from_disk(const disk::HeightGrid& g) {
     return {.size = g.size(), .low_x = g.low_x(), .low_z = g.low_z(), .square_m = g.square_m(), .base_y = g.base_y()};
+}
+inline SoundSource from_disk(const disk::SoundSource& s) {
+    return {.position = from_disk(s.position()), .clip = s.clip(), .reference_m = s.reference_m(), .gain = s.gain()};
 }
 inline Lamp from_disk(const disk::Lamp& l) {
     return {.position = from_disk(l.position()),

@@ -314,6 +314,23 @@ class WorldLoader {
                                        .animated_count = stored->animated_count()});
             }
         }
+        if (table.sound_clips() != nullptr) {
+            std::uint64_t clip_bytes = 0;
+            for (const disk::SoundClip* stored : *table.sound_clips()) {
+                clip_bytes += stored->name()->size() + 2 * std::uint64_t(stored->samples()->size());
+                if (clip_bytes > records_.world.size())
+                    return pack_.error_in(chunk, "sounds of more bytes than the table has");
+                info.sounds.clips.push_back({.name = stored->name()->str(),
+                                             .rate_hz = stored->rate_hz(),
+                                             .samples = {stored->samples()->begin(), stored->samples()->end()}});
+            }
+        }
+        if (table.sound_sources() != nullptr) {
+            if (!assets::is_aligned(*table.sound_sources()))
+                return pack_.error_in(chunk, "sound sources at an odd place; expected a multiple of 8");
+            for (const disk::SoundSource* source : *table.sound_sources())
+                info.sounds.sources.push_back(from_disk(*source));
+        }
         // Several entries of a FlatBuffer may point to one table: what it holds in all is held against its size.
         std::uint64_t bytes = 0;
         for (const disk::Walk* stored : *table.walks()) {

@@ -62,6 +62,15 @@ flatbuffers::DetachedBuffer world_table(const SceneData& scene, const WorldInfo&
         builder.CreateVectorOfStructs(records_of<DynamicInstance, disk::DynamicInstance>(info.dynamic_instances));
     const auto lamps = builder.CreateVectorOfStructs(records_of<Lamp, disk::Lamp>(scene.lamps));
     const auto walk_list = builder.CreateVector(walks);
+    std::vector<flatbuffers::Offset<disk::SoundClip>> clips;
+    for (const SoundClip& clip : info.sounds.clips) {
+        const auto clip_name = builder.CreateString(clip.name);
+        clips.push_back(disk::CreateSoundClip(builder, clip_name, clip.rate_hz, builder.CreateVector(clip.samples)));
+    }
+    const auto clip_list = clips.empty() ? 0 : builder.CreateVector(clips);
+    const auto sources =
+        clips.empty() ? 0
+                      : builder.CreateVectorOfStructs(records_of<SoundSource, disk::SoundSource>(info.sounds.sources));
     const disk::DVec3 origin = to_disk(scene.origin);
     const disk::DBox3 bounds = to_disk(scene.bounds);
     const disk::HeightGrid grid = to_disk(scene.height_grid);
@@ -73,7 +82,7 @@ flatbuffers::DetachedBuffer world_table(const SceneData& scene, const WorldInfo&
                                    scene.environment.atmosphere.turbidity, scene.environment.atmosphere.brightness,
                                    scene.environment.weather.rain, scene.environment.weather.snow,
                                    scene.environment.weather.wind_m_s.x, scene.environment.weather.wind_m_s.y, lamps,
-                                   place_list));
+                                   place_list, clip_list, sources));
     return builder.Release();
 }
 

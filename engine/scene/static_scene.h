@@ -38,6 +38,7 @@ enum MaterialFlags : std::uint32_t {
     kMaterialSpecular = 1u << 4,     ///< rough or metallic enough that a highlight shows; else diffuse only
     kMaterialWater = 1u << 5,        ///< open water: waves, and mirrors what is around it
     kMaterialMirror = 1u << 6,       ///< smooth enough to mirror what is around it
+    kMaterialSways = 1u << 7,        ///< foliage: wind moves its pictures (math/leaf_sway.h); masked ones only
 };
 
 inline constexpr std::uint32_t kNoTexture = 0xFFFFFFFFu;

@@ -12,6 +12,7 @@
 #include "engine/scene/animation.h"
 #include "engine/scene/pose_room.h"
 #include "engine/scene/scene_data.h"
+#include "engine/scene/sound.h"
 #include "engine/scene/static_scene.h"
 #include "engine/scene/walk.h"
 
@@ -46,6 +47,7 @@ struct WorldInfo {
     std::vector<DynamicInstance> dynamic_instances;
     std::vector<NamedPlace> places;
     AnimationSet animation;
+    SoundSet sounds;
     std::vector<Walk> walks;         ///< names are unique and not empty
     std::uint64_t source_bytes = 0;  ///< of the files that it was cooked from
 };

@@ -13,8 +13,17 @@ float caster_level(vec2 texcoord) {
     return min(floor(0.5 * log2(max(texels, 1.0))), float(last));
 }
 
+// Where the picture is looked up: foliage in the wind is moved.
+#ifdef SWAYS
+#include "leaf_sway.glsl"
+#else
+vec2 swayed(vec2 texcoord) {
+    return texcoord;
+}
+#endif
+
 float caster_alpha(vec2 texcoord) {
-    return textureLod(base_color_nearest, texcoord, caster_level(texcoord)).a;
+    return textureLod(base_color_nearest, swayed(texcoord), caster_level(texcoord)).a;
 }
 
 // Nearest texel along one side, as scene::wrap_texel. wrap: 0 repeat, 1 clamp, 2 mirror.

@@ -30,7 +30,7 @@ void main() {
     #define LOD(map) (0.5 * log2(max(footprint * float(textureSize(map, 0).x * textureSize(map, 0).y), 1e-30)))
 #endif
 #ifdef BASE_TEXTURE
-    vec4 texel = textureLod(base_color_texture, v_texcoord, LOD(base_color_texture));
+    vec4 texel = textureLod(base_color_texture, swayed(v_texcoord), LOD(base_color_texture));
     base *= vec4(decode_srgb(texel.rgb), texel.a);
 #endif
 #ifdef ALPHA_MASK

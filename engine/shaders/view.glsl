@@ -6,7 +6,12 @@ layout(std140, binding = 0) uniform View {
     vec4 right;   // w: u_step
     vec4 up;      // w: v_step
     vec4 back;    // w: pixel angle
-    vec4 first;   // x: u_first, y: v_first, z: blended surfaces nearer than this are transparent layers, metres
+    vec4 first;   // x: u_first, y: v_first, z: blended surfaces nearer than this are transparent layers, metres;
+                  // w: leaves nearer than this move, 0: none does
+    vec4 gust;    // trains of the wind in leaves (leaf_sway.glsl): turns per metre, w: turns at the eye
+    vec4 sway_u;
+    vec4 sway_v;
+    vec4 leaves;  // x: amplitude, metres
 } view;
 
 // Reversed depth with an infinite far plane; y grows downwards.

@@ -114,6 +114,7 @@ void load_raw_block(const ShadeFrame& frame, const TriangleName* names, int coun
             }
             const TextureRows base = texture_rows(scene, material.base_color_texture);
             bits |= base.info | base.wraps;
+            if ((material.flags & scene::kMaterialSways) != 0 && !frame.view.sway.is_none()) bits |= kLaneSways;
             raw.texture[i] = base.first_texel;
             for (int k = 0; k < 3; ++k) raw.color[k][i] = material.base_color[k];
         }

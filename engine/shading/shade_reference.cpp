@@ -79,15 +79,19 @@ SeenTriangle see(const StaticScene& scene, const scene::Instance& instance, std:
     return seen;
 }
 
-/// uv^2 that a pixel's ray cone covers on the triangle; its long axis shortened, see README.md.
-double footprint_of(const SeenTriangle& seen, const DVec3& direction, double pixel_angle) {
+/// uv^2 per square metre.
+double texture_density(const SeenTriangle& seen) {
     const DVec2 a = seen.corner[1]->uv - seen.corner[0]->uv, b = seen.corner[2]->uv - seen.corner[0]->uv;
     const double area = std::max(glm::length(glm::cross(seen.p[1] - seen.p[0], seen.p[2] - seen.p[0])), 1e-30);
-    const double density = std::abs(a.x * b.y - a.y * b.x) / area;
+    return std::abs(a.x * b.y - a.y * b.x) / area;
+}
+
+/// uv^2 that a pixel's ray cone covers on the triangle; its long axis shortened, see README.md.
+double footprint_of(const SeenTriangle& seen, const DVec3& direction, double pixel_angle) {
     const double depth = seen.plane / seen.slope;
     const double cosine = seen.slope / glm::length(direction);
     const double width = depth * pixel_angle / cosine;
-    return width * width * density * std::sqrt(std::abs(seen.slope));
+    return width * width * texture_density(seen) * std::sqrt(std::abs(seen.slope));
 }
 
 double lod_of(const scene::Texture& texture, double footprint) {
@@ -345,7 +349,9 @@ DVec3 surface_color(const StaticScene& scene, const ShadingUniforms& uniforms, c
         return at0 + seen.b1 * (at1 - at0) + seen.b2 * (at2 - at0);
     };
     const double footprint = footprint_of(seen, direction, pixel_angle);
-    const DVec2 uv = interpolated(DVec2(seen.corner[0]->uv), DVec2(seen.corner[1]->uv), DVec2(seen.corner[2]->uv));
+    DVec2 uv = interpolated(DVec2(seen.corner[0]->uv), DVec2(seen.corner[1]->uv), DVec2(seen.corner[2]->uv));
+    if ((material.flags & scene::kMaterialSways) != 0 && !view.sway.is_none())
+        uv += DVec2(leaf_shift(view.sway, Vec2(uv), float(std::sqrt(texture_density(seen))), Vec3(depth * direction)));
     DVec3 color =
         DVec3(material.base_color) *
         interpolated(unpack(seen.corner[0]->color), unpack(seen.corner[1]->color), unpack(seen.corner[2]->color));

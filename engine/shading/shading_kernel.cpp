@@ -11,6 +11,7 @@
 #include <array>
 #include <bit>
 
+#include "engine/math/leaf_sway-inl.h"
 #include "engine/shading/lamp_light.h"
 #include "engine/shading/shading_kernel.h"
 #include "engine/shading/simd_color-inl.h"
@@ -256,8 +257,13 @@ HWY_INLINE Rgb shade_surface(const ShadeFrame& frame, const Records<kOneTriangle
         color = select(has_bit(info, kLaneVertexColor), multiply(color, vertex_color), color);
     }
     if (bits & (kLaneTextured | kLaneEmissive | kLaneSpecular)) {
-        u = interpolated(records.quad(kQuadU), b1, b2);
+        const Quad quad_u = records.quad(kQuadU);
+        u = interpolated(quad_u, b1, b2);
         v = interpolated(records.quad(kQuadV), b1, b2);
+        if (bits & kLaneSways) {
+            const V3 at = scale(depth, rays.directions(frame.view));
+            ff::HWY_NAMESPACE::add_leaf_shift(df, frame.view.sway, quad_u.d, at.x, at.y, at.z, u, v);
+        }
         const VF inverse2 = hn::Mul(inverse, inverse);
         // Between the cone's long axis (S^-4, blurs walls seen along a street) and its area (S^-3, shimmers there).
         footprint = hn::Mul(hn::Mul(quad_s.d, rays.length_squared),

@@ -25,6 +25,7 @@ enum Row : int {
     kQuadW2 = 8,            ///< affine: of corner 2, times S
     kRowTexture = 11,       ///< int: base colour's first texel
     kQuadU = 12,            ///< corners: texture u
+    kRowSway = 15,          ///< texture widths a metre; 0 where no wind moves the picture
     kQuadV = 16,            ///< corners: texture v
     kQuadColor = 20,        ///< RGB factor: material, times vertex colour if constant, times light if constant
     kRowEmissiveInfo = 23,  ///< int
@@ -53,6 +54,7 @@ inline constexpr std::int32_t kLaneWraps = 1 << 18;   ///< some texture of it cl
 inline constexpr std::int32_t kLaneWater = 1 << 19;   ///< with waves
 inline constexpr std::int32_t kLaneMirror = 1 << 20;  ///< shows the world
 inline constexpr std::int32_t kLaneFades = 1 << 21;   ///< but only from nearby
+inline constexpr std::int32_t kLaneSways = 1 << 22;   ///< wind moves its picture
 
 /// One triangle as named by the visibility buffer.
 struct TriangleName {

@@ -125,10 +125,10 @@ HWY_INLINE void set_up_full(const ShadeFrame& frame, const RawBlock& raw, int la
     const VF du1 = hn::Sub(hn::Load(df, raw.uv[2] + lane), u0), dv1 = hn::Sub(hn::Load(df, raw.uv[3] + lane), v0);
     const VF du2 = hn::Sub(hn::Load(df, raw.uv[4] + lane), u0), dv2 = hn::Sub(hn::Load(df, raw.uv[5] + lane), v0);
     const VF zero = hn::Zero(df);
-    store_quad(record, kQuadU, {u0, du1, du2, zero});
-    store_quad(record, kQuadV, {v0, dv1, dv2, zero});
     const VF uv_area = hn::Abs(hn::Sub(hn::Mul(du1, dv2), hn::Mul(du2, dv1)));
     const VF density = hn::Mul(uv_area, inverse);
+    store_quad(record, kQuadU, {u0, du1, du2, hn::IfThenElseZero(has(kLaneSways), hn::Sqrt(density))});
+    store_quad(record, kQuadV, {v0, dv1, dv2, zero});
     store_affine(kQuadS, unit, hn::Mul(hn::Mul(plane, plane), hn::Mul(density, splat(uniforms.sun_radiance.w))));
 
     // The side of the plane that the viewer sees; normals turn to it.

@@ -28,6 +28,8 @@ void tend_beacons(ecs::SystemContext& context) {
     const Level& level = *surroundings.level;
     const loop::UserCommand& command = context.resource<const PlayerCommand>().now;
     const PlayerView& view = context.resource<const PlayerView>();
+    SoundsHeard& heard = context.resource<SoundsHeard>();
+    std::erase_if(heard.recent, [&](const sound::SoundEvent& e) { return e.at_s < double(day.tick) * kTick - 1.0; });
     const WorldPos feet = context.get<const ecs::LocalTransform>(level.player)->position;
     const WorldPos eye = feet + eye_above_feet();
     const DVec3 look = look_direction(view);
@@ -45,7 +47,13 @@ void tend_beacons(ecs::SystemContext& context) {
         }
         const bool kindles = !beacon.lit && command.held(kUse) && glm::distance(feet, at) < kKindleReach;
         beacon.kindled = kindles ? beacon.kindled + 1 : 0;
-        if (beacon.kindled >= kKindleTicks) beacon.lit = beacon.spotted = true;
+        if (beacon.kindled >= kKindleTicks) {
+            beacon.lit = beacon.spotted = true;
+            if (surroundings.chime != scene::kNoSound)
+                heard.recent.push_back({.at_s = double(day.tick + 1) * kTick,
+                                        .position = at + kBasket,
+                                        .source = {.clip = surroundings.chime, .reference_m = 20.0f}});
+        }
         all_lit &= beacon.lit;
     }
     ++day.tick;
@@ -69,7 +77,7 @@ void add_beacon_system(ecs::Schedule& schedule) {
                      .write<Beacon>()
                      .read<ecs::LocalTransform>()
                      .read_resource<Surroundings, PlayerCommand, PlayerView>()
-                     .write_resource<Day>(),
+                     .write_resource<Day, SoundsHeard>(),
                  tend_beacons);
 }
 

@@ -3,10 +3,12 @@
 
 #include <cstdint>
 #include <glm/gtc/quaternion.hpp>
+#include <vector>
 
 #include "engine/ecs/entity.h"
 #include "engine/math/types.h"
 #include "engine/physics/types.h"
+#include "engine/sound/sound_source.h"
 
 namespace ff::beacons {
 
@@ -27,6 +29,11 @@ struct Beacon {
     std::uint32_t looked_at = 0;  ///< ticks that the spyglass has rested on it
     bool spotted = false;         ///< on the compass from now on
     bool lit = false;
+};
+
+/// Something that was heard; not part of what a session is.
+struct SoundsHeard {
+    std::vector<sound::SoundEvent> recent;  ///< of the last second
 };
 
 /// Follows a path of the world, there and back or round and round.

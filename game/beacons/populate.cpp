@@ -108,9 +108,16 @@ class Populator {
             const auto index = std::uint32_t(s_.level.paths.size());
             s_.level.paths.push_back(std::move(path));
             s_.level.travellers.push_back(add(place->name, standing_at(start.position, start.yaw),
-                                              host::model_of(*place), Traveller{index, 0.0, speed_m_s, bob_m}));
+                                              host::model_of(*place), Traveller{index, 0.0, speed_m_s, bob_m},
+                                              sound_called(kind)));
         }
         return {};
+    }
+
+    /// What an entity of that kind sounds like: the world's recording of that name, or nothing.
+    sound::SoundSource sound_called(const std::string& kind) const {
+        const std::uint32_t clip = scene::find_sound(world_.info().sounds, kind);
+        return {.clip = clip, .reference_m = 3.0f, .gain = clip == scene::kNoSound ? 0.0f : 0.6f};
     }
 
     void add_flocks() {
@@ -152,7 +159,7 @@ class Populator {
 State::State(const scene::World& world, std::uint64_t session_seed)
     : seed(session_seed), physics(world.scene(), {.tick_s = kTick}) {
     level.world = &world;
-    registry.resource<Surroundings>() = {&level, &physics};
+    registry.resource<Surroundings>() = {&level, &physics, scene::find_sound(world.info().sounds, "chime")};
     registry.resource<physics::PhysicsTick>().world = &physics;
     add_systems(schedule);
 }

@@ -105,6 +105,7 @@ void show_state(State& state, double fraction, host::GameView& out) {
     out.dynamic.clear();
     out.models.clear();
     out.hud.clear();
+    out.sounds.clear();
     const double seconds = (double(state.day().tick) + fraction) * kTick;
     ecs::Registry& registry = state.registry;
     const scene::World& world = *state.level.world;
@@ -115,6 +116,12 @@ void show_state(State& state, double fraction, host::GameView& out) {
             const Pose pose = between(before, at, fraction);
             host::show_model(world, model, pose.position, pose.rotation, seconds + 0.37 * number++, out);
         });
+    registry.each_chunk<const ecs::LocalTransform, const sound::SoundSource>(
+        [&](std::span<const ecs::Entity> entities, auto places, auto sources) {
+            for (std::size_t i = 0; i < entities.size(); ++i)
+                if (sources[i].gain > 0.0f) out.sounds.push_back({entities[i].index, places[i].position, sources[i]});
+        });
+    out.sound_events = registry.resource<SoundsHeard>().recent;
     for (const host::ShownModel& model : state.level.scenery)
         host::show_model(world, model, model.placed_at, model.placed_turn, seconds + 0.37 * number++, out);
     // What burns where a beacon is lit stands in the world at the place of the beacon's fire.

@@ -51,6 +51,7 @@ struct PlayerView {
 struct Surroundings {
     const Level* level = nullptr;
     const physics::PhysicsWorld* physics = nullptr;
+    std::uint32_t chime = scene::kNoSound;  ///< recording of a beacon that is lit
 };
 
 struct State {

@@ -18,7 +18,8 @@ std::atomic<std::uint64_t> g_allocations{0};
 // Sanitizers have an allocator of their own.
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 constexpr bool kCounts = true;
-void* operator new(std::size_t size) {
+// Not inlined: the compiler would take malloc and our delete for a mismatched pair.
+[[gnu::noinline]] void* operator new(std::size_t size) {
     g_allocations.fetch_add(1, std::memory_order_relaxed);
     if (void* memory = std::malloc(size)) return memory;
     std::abort();

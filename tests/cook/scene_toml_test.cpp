@@ -86,6 +86,64 @@ TEST_F(SceneToml, an_atmosphere_weather_and_lamps_are_read) {
     EXPECT_NEAR(world->lamps[1].position.y, 4.0, 0.5) << "above the ground";
 }
 
+TEST_F(SceneToml, sounds_are_read_and_stand_where_they_are_heard) {
+    // A WAV file of two channels, four frames: what libsndfile reads is mixed into one.
+    std::string wave("RIFF\x34\0\0\0WAVEfmt \x10\0\0\0\1\0\2\0\x40\x1f\0\0\0\x7d\0\0\4\0\x10\0data\x10\0\0\0", 44);
+    for (const int sample : {100, 300, -200, -400, 0, 0, 32767, 32767}) {
+        wave.push_back(char(sample & 255));
+        wave.push_back(char(sample >> 8));
+    }
+    write("brook.wav", wave);
+    const std::string town = "format = 1\n[town]\nsize_m = 300\n[[sound]]\nfile = \"brook.wav\"\n";
+    const Result<WorldSource> world = load(town +
+                                           "positions_m = [[3.0, 9.0, -2.0], [1.0, 1.0]]\nreference_m = 8\n"
+                                           "[[sound]]\nfile = \"brook.wav\"\nname = \"splash\"\n");
+    ASSERT_TRUE(world) << world.error().message;
+    ASSERT_EQ(world->sounds.clips.size(), 2u);
+    EXPECT_EQ(world->sounds.clips[0].name, "brook");
+    EXPECT_EQ(world->sounds.clips[0].rate_hz, 8000u);
+    ASSERT_EQ(world->sounds.clips[0].samples.size(), 4u);
+    EXPECT_NEAR(world->sounds.clips[0].samples[0], 200, 1);
+    EXPECT_NEAR(world->sounds.clips[0].samples[1], -300, 1);
+    EXPECT_NEAR(world->sounds.clips[0].samples[3], 32767, 2);
+    EXPECT_EQ(find_sound(world->sounds, "splash"), 1u);
+    EXPECT_EQ(find_sound(world->sounds, "thunder"), scene::kNoSound);
+    ASSERT_EQ(world->sounds.sources.size(), 2u) << "the second is for games";
+    EXPECT_EQ(world->sounds.sources[0].position, DVec3(3.0, 9.0, -2.0));
+    EXPECT_EQ(world->sounds.sources[0].reference_m, 8.0f);
+    EXPECT_NEAR(world->sounds.sources[1].position.y, 0.0, 0.5) << "on the ground";
+
+    EXPECT_NE(error_of(town + "[[sound]]\nfile = \"brook.wav\"\n").find("twice"), std::string::npos);
+    EXPECT_NE(error_of(town + "gain = 2\n").find("[0, 1]"), std::string::npos);
+    write("brook.wav", "no sound at all");
+    const Result<WorldSource> broken = load(town);
+    ASSERT_FALSE(broken);
+    EXPECT_NE(broken.error().message.find("brook.wav: "), std::string::npos) << broken.error().message;
+}
+
+TEST_F(SceneToml, masked_leaves_sway_where_plants_are_scattered_and_of_models_that_say_so) {
+    fs::copy_file(fs::path(FF_CONTENT_DIR) / "models" / "oak.glb", folder_ / "oak.glb");
+    const auto sways = [&](const std::string& text) {
+        const Result<WorldSource> world = load("format = 1\n[town]\nsize_m = 300\n" + text);
+        EXPECT_TRUE(world) << world.error().message;
+        int count = 0;
+        for (const scene::Material& material : world->materials) {
+            if ((material.flags & scene::kMaterialSways) == 0) continue;
+            EXPECT_NE(material.flags & scene::kMaterialAlphaMask, 0u) << "bark stands still";
+            ++count;
+        }
+        return count;
+    };
+    const std::string scatter =
+        "[[scatter]]\nfile = \"oak.glb\"\ndensity_per_km2 = 100\narea_m = [-400, -400, 400, 400]\n";
+    EXPECT_EQ(sways(scatter), 1);
+    EXPECT_EQ(sways(scatter + "sways = false\n"), 0);
+    EXPECT_EQ(sways("[[model]]\nfile = \"oak.glb\"\n"), 0);
+    EXPECT_EQ(sways("[[model]]\nfile = \"oak.glb\"\nsways = true\n"), 1);
+    EXPECT_EQ(sways("[[model]]\nfile = \"oak.glb\"\ndynamic = true\nsways = true\n"), 1);
+    EXPECT_EQ(sways("street_trees = [\"oak.glb\"]\n"), 1);
+}
+
 TEST_F(SceneToml, two_skies_and_placeless_lamps_are_refused) {
     EXPECT_NE(error_of("format = 1\n[sky]\nmodel = \"atmosphere\"\nzenith = [0, 0, 1]\n").find("zenith"),
               std::string::npos);

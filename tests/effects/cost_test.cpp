@@ -5,6 +5,7 @@
 #include "engine/core/heap_count.h"
 #include "engine/frame/renderer.h"
 #include "tests/support/town.h"
+#include "tests/support/wind.h"
 #include "tests/support/worlds.h"
 #include "tools/ff/heap_counter.h"
 
@@ -80,12 +81,20 @@ TEST_F(EffectCosts, each_effect_alone_is_paid_for_and_no_other) {
             if (material.flags & scene::kMaterialSpecular) material.flags |= gloss;
         for (scene::Mesh& mesh : data.meshes)
             if (mesh.material_flags & scene::kMaterialSpecular) mesh.material_flags |= gloss;
+        if (effect.id == EffectId::wind) {
+            test::let_leaves_sway(data);
+            data.environment.weather.wind_m_s = {5.0f, 0.0f};
+        }
         if (effect.id == EffectId::lamps)
             data.lamps.push_back({.position = {0.0, 4.0, 50.0}, .on_below_sun_deg = 90.0f});
         // Water mirrors: without rays it has waves alone.
         const std::uint64_t rays = effect.id == EffectId::water ? 0 : FrameSettings{}.reflection_rays;
-        const FrameStats stats =
-            walk(data.view(), {.fixed_near_m = 0.0, .reflection_rays = rays, .reflections_within_m = 1000.0f});
+        const FrameStats stats = walk(data.view(), {.fixed_near_m = 0.0,
+                                                    .reflection_rays = rays,
+                                                    .reflections_within_m = 1000.0f,
+                                                    .hearing = {.is_called_for = effect.id == EffectId::sound,
+                                                                .has_device = effect.id == EffectId::sound,
+                                                                .voices = effect.id == EffectId::sound ? 1u : 0u}});
         for (const Effect& other : registry()) {
             if (other.id == effect.id) {
                 EXPECT_EQ(stats.effects[other.id].state, State::active) << other.name;

@@ -6,6 +6,8 @@
 
 #include <set>
 
+#include "engine/effects/wind.h"
+#include "tests/support/wind.h"
 #include "tests/support/worlds.h"
 
 namespace ff::effects {
@@ -83,6 +85,72 @@ TEST(EffectRegistry, transparency_is_idle_where_nothing_see_through_is_near) {
     EXPECT_EQ(state(), State::idle);
     conditions.blend_within_m = 0.0f;
     EXPECT_EQ(state(), State::off) << "shown by coverage";
+}
+
+TEST(EffectRegistry, sound_needs_something_to_be_heard_a_device_and_an_ear_nearby) {
+    Place place;
+    const auto decide = [&] { return decide_effects(place.conditions)[EffectId::sound]; };
+    EXPECT_EQ(decide().state, State::off);
+    place.conditions.hearing.is_called_for = true;
+    EXPECT_EQ(decide(), (Decision{State::idle, "no device"}));
+    place.conditions.hearing.has_device = true;
+    EXPECT_EQ(decide().state, State::idle);
+    place.conditions.hearing.voices = 2;
+    EXPECT_EQ(decide().state, State::active);
+}
+
+TEST(EffectRegistry, wind_needs_air_that_moves_and_foliage_near_the_viewer) {
+    scene::SceneData data = test::make_forest({.trees = 10, .size_m = 20.0, .leaves = 10});
+    scene::StaticScene scene = data.view();
+    SceneFacts facts{.has_foliage = has_foliage(scene)};
+    Conditions conditions{
+        .scene = scene, .environment = scene.environment, .facts = facts, .eye = {0, 2, 15}, .wind_within_m = 60.0f};
+    const auto decide = [&] { return decide_effects(conditions)[EffectId::wind]; };
+    scene.environment.weather.wind_m_s = {4.0f, 0.0f};
+    EXPECT_EQ(decide(), (Decision{State::off, "nothing in the scene sways"})) << "masked is not yet foliage";
+    test::let_leaves_sway(data);
+    facts.has_foliage = has_foliage(scene);
+    EXPECT_EQ(decide().state, State::active);
+    conditions.eye.z = 200.0;
+    EXPECT_EQ(decide().state, State::idle);
+    conditions.eye.z = 15.0;
+    conditions.reprojects = true;
+    EXPECT_EQ(decide().state, State::off);
+    conditions.reprojects = false;
+    conditions.wind_within_m = 0.0f;
+    EXPECT_EQ(decide(), (Decision{State::off, "switched off"}));
+    conditions.wind_within_m = 60.0f;
+    scene.environment.weather.wind_m_s = {0.0f, 0.05f};
+    EXPECT_EQ(decide(), (Decision{State::off, "the air is still"}));
+}
+
+TEST(Wind, moves_leaves_by_its_strength_and_the_same_at_every_visit) {
+    const scene::Weather breeze{.wind_m_s = {0.0f, 4.0f}}, storm{.wind_m_s = {0.0f, 40.0f}};
+    EXPECT_TRUE(make_leaf_sway({}, {}, 1.0, 60.0f).is_none());
+    EXPECT_FLOAT_EQ(make_leaf_sway({}, breeze, 1.0, 60.0f).amplitude_m, 0.04f);
+    EXPECT_FLOAT_EQ(make_leaf_sway({}, storm, 1.0, 60.0f).amplitude_m, 0.1f) << "no leaf flies away";
+    // Whoever looks: a leaf moves the same seen from two eyes, far from the origin, too. Phases are floats about an
+    // eye.
+    const WorldPos leaf(3.0e6, 5.0, -2.0e6);
+    for (const double time_s : {0.0, 17.25, 86400.0}) {
+        const WorldPos a = leaf - DVec3(2.0, 1.0, 3.0), b = leaf + DVec3(1.5, -0.5, 3.0);
+        const LeafSway from_a = make_leaf_sway(a, breeze, time_s, 1000.0f),
+                       from_b = make_leaf_sway(b, breeze, time_s, 1000.0f);
+        const Vec2 uv(0.4f, 0.6f), s = leaf_shift(from_a, uv, 1.0f, Vec3(leaf - a)),
+                                   t = leaf_shift(from_b, uv, 1.0f, Vec3(leaf - b));
+        EXPECT_NEAR(s.x, t.x, 1e-5f);
+        EXPECT_NEAR(s.y, t.y, 1e-5f);
+    }
+}
+
+TEST(Wind, never_shifts_a_picture_out_of_its_card) {
+    test::Random random(5);
+    for (int i = 0; i < 20000; ++i) {
+        const Vec2 uv(float(random.unit()), float(random.unit()));
+        const Vec3 p = random.in_box(Vec3(-50.0f), Vec3(50.0f));
+        const Vec2 to = uv + leaf_shift(test::storm(float(random.in(0.0, 100.0))), uv, float(random.in(0.0, 100.0)), p);
+        EXPECT_TRUE(to.x >= 0.0f && to.x <= 1.0f && to.y >= 0.0f && to.y <= 1.0f) << uv.x << ", " << uv.y;
+    }
 }
 
 }  // namespace

@@ -14,6 +14,7 @@
 #include "engine/farfield/alpha_test.h"
 #include "engine/farfield/ray_caster.h"
 #include "tests/support/tiles.h"
+#include "tests/support/wind.h"
 #include "tests/support/worlds.h"
 
 namespace ff::farfield {
@@ -56,7 +57,8 @@ std::vector<OracleTriangle> oracle_triangles(const StaticScene& scene, const Wor
     return out;
 }
 
-OracleHit oracle_hit(const std::vector<OracleTriangle>& triangles, const DVec3& direction, double pixel_angle) {
+OracleHit oracle_hit(const std::vector<OracleTriangle>& triangles, const DVec3& direction, double pixel_angle,
+                     const LeafSway& sway) {
     OracleHit hit;
     double second = hit.depth;
     for (const OracleTriangle& t : triangles) {
@@ -87,11 +89,13 @@ OracleHit oracle_hit(const std::vector<OracleTriangle>& triangles, const DVec3& 
         if (depth < 1e-3) hit.near_edge = true;
         if (t.see_through) {
             const float footprint = float(depth * pixel_angle);
-            const bool opaque = is_opaque_at(t.surface, float(b1), float(b2), footprint);
+            const SwayPlace place{&sway, Vec3(depth * direction)};
+            const bool opaque = is_opaque_at(t.surface, float(b1), float(b2), footprint, false, place);
             for (const double d1 : {-1e-4, 1e-4}) {
                 for (const double d2 : {-1e-4, 1e-4}) {
                     for (const float scale : {0.999f, 1.001f}) {
-                        if (is_opaque_at(t.surface, float(b1 + d1), float(b2 + d2), footprint * scale) != opaque)
+                        if (is_opaque_at(t.surface, float(b1 + d1), float(b2 + d2), footprint * scale, false, place) !=
+                            opaque)
                             hit.near_edge = true;
                     }
                 }
@@ -129,17 +133,18 @@ struct Differences {
 
 // Compares one view with the oracle.
 void compare(const SceneData& data, const Camera& camera, int width, int height, Differences& sum,
-             const std::string& what) {
+             const std::string& what, const LeafSway& sway = {}) {
     const StaticScene scene = data.view();
     const auto caster = make_beam_caster(scene);
-    const PinholeView view = make_view(camera, width, height);
+    PinholeView view = make_view(camera, width, height);
+    view.sway = sway;
     const VisibilityBuffer out = cast_all(*caster, view);
     const std::vector<OracleTriangle> triangles = oracle_triangles(scene, view.position);
     for (int y = 0; y < height; ++y) {
         for (int x = 0; x < width; ++x) {
             const DVec3 direction = DMat3(view.world_from_camera) * DVec3((x + 0.5) * view.u_step + view.u_first,
                                                                           (y + 0.5) * view.v_step + view.v_first, -1.0);
-            const OracleHit hit = oracle_hit(triangles, direction, view.pixel_angle());
+            const OracleHit hit = oracle_hit(triangles, direction, view.pixel_angle(), sway);
             const std::size_t at = out.index(x, y);
             ++sum.pixels;
             ASSERT_FALSE(std::isnan(out.depth[at])) << what;
@@ -219,6 +224,48 @@ TEST(BeamCaster, FindsWhatABruteForceFindsInAForestFarFromTheOrigin) {
         compare(data, camera, 64, 48, sum, fmt::format("seed {}", seed));
     }
     expect_few_doubts(sum);
+}
+
+TEST(BeamCaster, FindsWhatABruteForceFindsInLeavesThatWindMoves) {
+    Differences sum;
+    for (std::uint32_t seed = 0; seed < 6; ++seed) {
+        SceneData data =
+            test::make_forest({.trees = 12, .size_m = 24.0, .leaves = 60}, {.seed = seed, .height_grid_size = 16});
+        test::let_leaves_sway(data);
+        const Camera camera{.position = {0.0, 2.0, 14.0}, .yaw = 0.4 * seed, .roll = 0.3};
+        compare(data, camera, 64, 48, sum, fmt::format("seed {}", seed), test::storm(float(seed), 40.0f));
+    }
+    expect_few_doubts(sum);
+}
+
+TEST(BeamCaster, LeavesMoveWithTimeAndOnlyWithinTheWindsReach) {
+    SceneData data = test::make_forest({.trees = 60, .size_m = 80.0, .leaves = 60});
+    test::let_leaves_sway(data);
+    const StaticScene scene = data.view();
+    const auto caster = make_beam_caster(scene);
+    PinholeView view = make_view({.position = {0.0, 2.0, 44.0}}, 160, 120);
+    const VisibilityBuffer still = cast_all(*caster, view);
+    constexpr float kWithin = 40.0f;
+    view.sway = test::storm(1.0f, kWithin);
+    const VisibilityBuffer moved = cast_all(*caster, view);
+    view.sway = test::storm(1.4f, kWithin);
+    const VisibilityBuffer later = cast_all(*caster, view);
+    int by_wind = 0, by_time = 0;
+    for (int y = 0; y < view.height; ++y)
+        for (int x = 0; x < view.width; ++x) {
+            const std::size_t at = still.index(x, y);
+            const auto differs = [&](const VisibilityBuffer& a, const VisibilityBuffer& b) {
+                return a.instance[at] != b.instance[at] || a.triangle[at] != b.triangle[at];
+            };
+            by_time += differs(moved, later);
+            if (!differs(still, moved)) continue;
+            ++by_wind;
+            // What has changed is the nearer one of what is seen: a leaf that came or one that went.
+            const float nearer = std::min(still.depth[at], moved.depth[at]) * glm::length(view.direction(x, y));
+            EXPECT_LT(nearer, kWithin) << x << ", " << y;
+        }
+    EXPECT_GT(by_wind, 100);
+    EXPECT_GT(by_time, 100);
 }
 
 TEST(BeamCaster, GivesTheSameBitsForOneAndTwoWorkers) {

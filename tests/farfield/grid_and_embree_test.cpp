@@ -13,6 +13,7 @@
 #include "engine/farfield/alpha_test.h"
 #include "engine/farfield/embree_caster.h"
 #include "engine/farfield/ray_caster.h"
+#include "tests/support/wind.h"
 #include "tests/support/worlds.h"
 
 namespace ff::farfield {
@@ -30,7 +31,8 @@ struct Oracle {
     bool is_close = false;  // an edge passes so near that rounding decides
 };
 
-Oracle brute_force(const StaticScene& scene, const WorldPos& origin, const DVec3& d, double pixel_angle) {
+Oracle brute_force(const StaticScene& scene, const WorldPos& origin, const DVec3& d, double pixel_angle,
+                   const LeafSway& sway = {}) {
     Oracle hit;
     for (std::uint32_t i = 0; i < scene.instances.size(); ++i) {
         const scene::Instance& instance = scene.instances[i];
@@ -65,13 +67,14 @@ Oracle brute_force(const StaticScene& scene, const WorldPos& origin, const DVec3
             if (surface.is_see_through) {
                 // The texel's border decides where it passes near.
                 const float b1 = float(b / volume), b2 = float(c / volume), foot = float(pixel_angle * distance);
+                const SwayPlace place{&sway, Vec3(distance * d)};
                 int opaque = 0;
                 for (const float du : {-2e-4f, 0.0f, 2e-4f})
                     for (const float dv : {-2e-4f, 0.0f, 2e-4f})
                         for (const float df : {0.999f, 1.001f})
-                            opaque += is_opaque_at(surface, b1 + du, b2 + dv, foot * df);
+                            opaque += is_opaque_at(surface, b1 + du, b2 + dv, foot * df, false, place);
                 if (opaque != 0 && opaque != 18) hit.is_close = true;
-                if (!is_opaque_at(surface, b1, b2, foot)) continue;
+                if (!is_opaque_at(surface, b1, b2, foot, false, place)) continue;
             }
             if (distance < hit.t) {
                 hit.second = hit.t;
@@ -120,7 +123,8 @@ void expect_agreement(RayCaster& caster, const StaticScene& scene, const Pinhole
     int compared = 0;
     for (int y = 0; y < view.height; ++y)
         for (int x = 0; x < view.width; ++x) {
-            const Oracle hit = brute_force(scene, view.position, DVec3(view.direction(x, y)), view.pixel_angle());
+            const Oracle hit =
+                brute_force(scene, view.position, DVec3(view.direction(x, y)), view.pixel_angle(), view.sway);
             if (hit.is_close) continue;
             ++compared;
             const std::size_t at = out.index(x, y);
@@ -150,6 +154,19 @@ TEST_P(Casters, FindWhatABruteForceFindsInMaskedTriangles) {
         const StaticScene scene = world.view();
         const auto caster = GetParam().make(scene);
         expect_agreement(*caster, scene, make_view(test::random_camera(random, scene.bounds), 41, 29), seed);
+    }
+}
+
+TEST_P(Casters, FindWhatABruteForceFindsInLeavesThatWindMoves) {
+    for (std::uint32_t seed = 0; seed < 3; ++seed) {
+        test::Random random(seed);
+        SceneData world = test::make_forest({.trees = 12, .size_m = 30, .leaves = 40}, {.seed = seed});
+        test::let_leaves_sway(world);
+        const StaticScene scene = world.view();
+        const auto caster = GetParam().make(scene);
+        PinholeView view = make_view(test::random_camera(random, scene.bounds), 41, 29);
+        view.sway = test::storm(float(seed), 40.0f);
+        expect_agreement(*caster, scene, view, seed);
     }
 }
 

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 
@@ -7,6 +8,7 @@
 #include "engine/farfield/visibility_difference.h"
 #include "engine/frame/renderer.h"
 #include "engine/shading/image_difference.h"
+#include "tests/support/wind.h"
 #include "tests/support/worlds.h"
 
 namespace ff::frame {
@@ -188,6 +190,39 @@ TEST_F(FrameTest, a_turning_hybrid_reuses_most_pixels_and_stays_close_to_raycast
         raycast.draw(camera, {}, {.mode = Mode::raycast}, reference);
         EXPECT_GE(psnr_db(image, reference), 32.0) << "frame " << f;
     }
+}
+
+TEST(WindFrames, a_resting_viewer_sees_leaves_move_and_the_rest_come_from_the_panorama) {
+    scene::SceneData data = test::make_forest({.trees = 40, .size_m = 300.0, .leaves = 200});
+    test::let_leaves_sway(data);
+    data.environment.weather.wind_m_s = {6.0f, 2.0f};
+    const scene::StaticScene scene = data.view();
+    Casters casters(scene);
+    const auto tree = std::find_if(scene.instances.begin(), scene.instances.end(), [&](const scene::Instance& i) {
+        return (scene.meshes[i.mesh].material_flags & scene::kMaterialSways) != 0;
+    });
+    ASSERT_NE(tree, scene.instances.end());
+    const Camera camera{.position = tree->position + DVec3(3.0, 4.0, 5.0)};
+    const auto settings_at = [](double time_s) { return FrameSettings{.fixed_near_m = 0.0, .time_s = time_s}; };
+    Renderer resting(scene, casters, nullptr, kWidth, kHeight), fresh(scene, casters, nullptr, kWidth, kHeight);
+    shading::Image image, before, exact;
+    int changed = 0;
+    for (int f = 0; f < 12; ++f) {
+        FrameSettings settings = settings_at(0.3 * f);
+        const FrameStats& stats = resting.draw(camera, {}, settings, image);
+        EXPECT_EQ(stats.effects[effects::EffectId::wind].state, effects::State::active);
+        EXPECT_EQ(stats.work(effects::EffectId::wind).rays, 0u);
+        settings.mode = Mode::raycast;
+        fresh.draw(camera, {}, settings, exact);
+        if (f > 4) {
+            EXPECT_GT(stats.pixels.panorama, std::uint64_t(kWidth * kHeight / 10)) << "far leaves stand still";
+            EXPECT_GT(stats.pixels.cast_hit, 500u) << "near ones are cast";
+            changed += shading::compare_images(image, before, 8).wrong_pixels > 0.002;
+        }
+        EXPECT_GT(psnr_db(image, exact), 30.0) << "frame " << f;
+        before = image;
+    }
+    EXPECT_GE(changed, 6);
 }
 
 TEST_F(FrameTest, deterministic_frames_are_the_same_for_one_and_two_workers) {

@@ -11,6 +11,7 @@
 #include "engine/shading/image_difference.h"
 #include "tests/gl/gl_fixture.h"
 #include "tests/support/town.h"
+#include "tests/support/wind.h"
 #include "tests/support/worlds.h"
 
 namespace ff::frame {
@@ -58,12 +59,19 @@ class SeamTest : public test::GlTest {
     static std::uint64_t draw(const scene::StaticScene& scene, Casters& casters, nearfield::NearRenderer& near_renderer,
                               const Camera& camera, double near_m, shading::Image& image) {
         Renderer renderer(scene, casters, &near_renderer, kWidth, kHeight);
-        return renderer.draw(camera, {}, {.fixed_near_m = near_m}, image).pixels.near_field;
+        return renderer.draw(camera, {}, {.fixed_near_m = near_m, .time_s = 2.6}, image).pixels.near_field;
     }
 };
 
 TEST_F(SeamTest, a_near_distance_of_50_100_or_400_m_draws_the_same_town) {
     expect_no_seam(test::make_small_town());
+}
+
+TEST_F(SeamTest, leaves_in_the_wind_have_no_seam_either) {
+    scene::SceneData town = test::make_small_town();
+    test::let_leaves_sway(town);
+    town.environment.weather.wind_m_s = {8.0f, 3.0f};
+    expect_no_seam(town);
 }
 
 TEST_F(SeamTest, panes_of_glass_have_no_seam_either) {

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "engine/core/jobs.h"
@@ -38,6 +39,15 @@ std::unique_ptr<scene::World> make_town() {
     return std::make_unique<scene::World>(test::make_city({.cells = 4}), std::move(info));
 }
 
+/// The same with recordings of what the game knows to play.
+std::unique_ptr<scene::World> make_town_with_sounds() {
+    const auto silent = make_town();
+    scene::WorldInfo info = silent->info();
+    info.sounds.clips = {{.name = "chime", .rate_hz = 8000, .samples = {1}},
+                         {.name = "cart", .rate_hz = 8000, .samples = {1}}};
+    return std::make_unique<scene::World>(test::make_city({.cells = 4}), std::move(info));
+}
+
 std::unique_ptr<host::Game> begin(const scene::World& world) {
     auto game = game_info().begin(world, 1);
     EXPECT_TRUE(game) << game.error().message;
@@ -56,6 +66,31 @@ TEST(Beacons, one_who_knows_the_way_wins) {
     const std::uint64_t ticks = game->ticks();
     game->tick({});
     EXPECT_EQ(game->ticks(), ticks);
+}
+
+TEST(Beacons, a_beacon_that_is_lit_chimes_once_and_carts_creak_where_they_are) {
+    const auto silent = make_town();
+    const auto world = make_town_with_sounds();
+    const auto game = begin(*world), without = begin(*silent);
+    const auto player = game_info().winner(*game, 1);
+    std::vector<double> chimes;
+    host::GameView view;
+    for (int t = 0; t < 120 * host::kTicksPerSecond && game->stage() == host::Stage::playing; ++t) {
+        const loop::UserCommand command = player->next();
+        game->tick(command);
+        without->tick(command);
+        game->show(0.0, view);
+        for (const sound::SoundEvent& event : view.sound_events)
+            if (std::find(chimes.begin(), chimes.end(), event.at_s) == chimes.end()) chimes.push_back(event.at_s);
+        ASSERT_EQ(view.sounds.size(), 1u) << "the cart; there is no recording of a boat";
+        EXPECT_EQ(view.sounds[0].source.clip, 1u);
+        ASSERT_LE(view.sound_events.size(), 2u) << "they are forgotten";
+    }
+    EXPECT_EQ(game->stage(), host::Stage::won);
+    EXPECT_EQ(chimes.size(), 2u);
+    EXPECT_TRUE(game->digest() == without->digest()) << "what is heard changes no state";
+    without->show(0.0, view);
+    EXPECT_TRUE(view.sounds.empty() && view.sound_events.empty());
 }
 
 TEST(Beacons, who_does_nothing_loses_at_nightfall) {

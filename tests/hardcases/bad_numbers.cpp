@@ -91,7 +91,7 @@ void spoil(test::Random& random, FrameInput& input) {
             input.settings.prelit_beyond_m = std::isnan(bad) ? float(bad) : -1.0f;
             break;
         case 13:
-            input.settings.blend_within_m = float(bad);
+            (random.below(2) == 0 ? input.settings.blend_within_m : input.settings.wind_within_m) = float(bad);
             break;
         case 14:
             input.settings.grid_cells_per_item = float(bad);

@@ -21,6 +21,7 @@ TEST(PlayerSettings, are_read_as_they_are_written) {
     settings.width = 800;
     settings.height = 600;
     settings.invert_pitch = true;
+    settings.volume = 0.25;
     settings.actions[4].triggers[0] = *loop::parse_trigger("mouse right");
     const auto read = read_settings(to_text(settings), "settings.toml", actions());
     ASSERT_TRUE(read) << read.error().message;

@@ -51,7 +51,8 @@ void* realloc(void* old, std::size_t size) {
     return __libc_realloc(old, size);
 }
 }
-void* operator new(std::size_t size) {
+// Not inlined: the compiler would take malloc and our delete for a mismatched pair.
+[[gnu::noinline]] void* operator new(std::size_t size) {
     count(__builtin_return_address(0));
     if (void* memory = __libc_malloc(size)) return memory;
     std::abort();

@@ -49,6 +49,9 @@ WorldInfo make_info() {
     info.dynamic_instances.push_back({0, WorldPos(10, 0, -4), test::turned_and_scaled(1.0, Vec3(2))});
     info.walks.push_back({"street", 60.0, 30.0, {{WorldPos(0, 1.7, 0), 10, -5, 1}, {WorldPos(1, 1.7, 0), 11, -5, 1}}});
     info.walks.push_back({"turn", 70.0, 30.0, {{WorldPos(0, 1.7, 0), 0, 0, 0}}});
+    info.sounds.clips = {{.name = "hum", .rate_hz = 11025, .samples = {0, 5, -7, 32767, -32768}},
+                         {.name = "tick", .rate_hz = 8000, .samples = {1}}};
+    info.sounds.sources = {{.position = {1.0, 2.0, -3.0}, .clip = 1, .reference_m = 7.0f, .gain = 0.25f}};
     return info;
 }
 
@@ -171,6 +174,7 @@ TEST(WorldPack, gives_back_what_goes_with_the_scene) {
     const WorldInfo& loaded = (*world)->info();
     EXPECT_EQ(loaded.name, info.name);
     EXPECT_EQ(loaded.spawn_position, info.spawn_position);
+    EXPECT_EQ(loaded.sounds, info.sounds);
     EXPECT_EQ(loaded.spawn_yaw, info.spawn_yaw);
     EXPECT_EQ(loaded.source_bytes, info.source_bytes);
     EXPECT_EQ(loaded.dynamic_instances, info.dynamic_instances);
@@ -295,6 +299,9 @@ TEST(WorldPack, is_not_written_where_the_cooker_broke_a_promise) {
     expect(message_for([](SceneData& d, WorldInfo&) { d.lamps[0].radius_m = 0.0f; }), "lamps[0]: ");
     expect(message_for([](SceneData& d, WorldInfo&) { d.sky_panorama.pop_back(); }), "sky_panorama[");
     expect(message_for([](SceneData&, WorldInfo& i) { i.dynamic_instances[0].mesh = 9; }), "dynamic_instances[0]: ");
+    expect(message_for([](SceneData&, WorldInfo& i) { i.sounds.sources[0].clip = 2; }), "sound_sources[0]: ");
+    expect(message_for([](SceneData&, WorldInfo& i) { i.sounds.clips[1].rate_hz = 0; }), "sound_clips[1]: ");
+    expect(message_for([](SceneData&, WorldInfo& i) { i.sounds.clips[1].name = "hum"; }), "two are called");
     expect(message_for([](SceneData&, WorldInfo& i) { i.walks[1].fov_deg = 0; }), "walks[1]: fov_deg: 0");
     expect(message_for([](SceneData&, WorldInfo& i) { i.walks[1].name = "street"; }), "two walks are called");
 }

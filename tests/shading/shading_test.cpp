@@ -14,6 +14,7 @@
 #include "engine/shading/shade_reference.h"
 #include "engine/shading/shading_model.h"
 #include "tests/shading/shading_worlds.h"
+#include "tests/support/wind.h"
 
 namespace ff::test {
 namespace {
@@ -169,6 +170,30 @@ TEST(shading, lamps_rain_and_snow_are_shaded_as_the_reference_says) {
     EXPECT_GE(changed, 4) << "some views see nothing that faces up";
     EXPECT_GT(compared, 300000);
     EXPECT_LE(large, compared / 5000);
+}
+
+TEST(shading, leaves_in_the_wind_are_shaded_as_the_reference_says) {
+    int compared = 0, large = 0, moved = 0;
+    for (std::uint32_t seed = 0; seed < 4; ++seed) {
+        scene::SceneData world = make_material_world(seed);
+        for (scene::Material& material : world.materials) material.flags |= scene::kMaterialSways;
+        const scene::StaticScene scene = world.view();
+        Random random(7000 + seed);
+        PinholeView view = random_view(random, scene.bounds);
+        const VisibilityBuffer visibility = cast_view(scene, view);
+        const Image still = shade_view(scene, view, visibility);
+        view.sway = test::storm(float(seed));
+        for (const Image& image : images_of_all_targets([&] { return shade_view(scene, view, visibility); })) {
+            const Difference d = compare_with_reference(scene, view, visibility, image);
+            EXPECT_LE(d.large, 60) << "seed " << seed << ", max " << d.max;
+            compared += d.compared;
+            large += d.large;
+            moved += largest_difference(image, still) > 8;
+        }
+    }
+    EXPECT_GT(compared, 200000);
+    EXPECT_LE(large, compared / 2000);
+    EXPECT_GT(moved, 4) << "else nothing moved";
 }
 
 TEST(shading, waves_are_shaded_as_the_reference_says) {

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "engine/effects/wind.h"
+
 namespace ff::accuracy {
 namespace {
 
@@ -146,6 +148,7 @@ Result<Sweep> sweep(const Bench& bench, int pairs) {
         if (knob.needs_mirrors && std::none_of(scene.materials.begin(), scene.materials.end(), scene::is_mirror))
             continue;
         const scene::Weather& weather = scene.environment.weather;
+        if (knob.needs_wind && !(effects::has_foliage(scene) && weather.wind_m_s != Vec2(0.0f))) continue;
         if (knob.needs_weather && !(weather.rain > 0.0f || weather.snow > 0.0f)) continue;
         std::vector<KnobSettings> settings;
         for (const frame::KnobValue& v : knob.values) settings.push_back({{std::string(knob.name), v.value}});

@@ -64,6 +64,7 @@ scene::WorldInfo world_info(const WorldSource& source) {
                           .places = {},
                           .walks = {},
                           .source_bytes = source.bytes_in};
+    info.sounds = source.sounds;
     for (const SourceWalk& walk : source.walks) {
         scene::Walk& out = info.walks.emplace_back();
         out.name = walk.name;

@@ -12,6 +12,7 @@
 #include "engine/math/bounds.h"
 #include "tools/cook/buildings_facade.h"
 #include "tools/cook/cook_copies.h"
+#include "tools/cook/foliage.h"
 #include "tools/cook/gltf_import.h"
 #include "tools/cook/ground_surface.h"
 #include "tools/cook/image_load.h"
@@ -22,6 +23,7 @@
 #include "tools/cook/terrain_cache.h"
 #include "tools/cook/town_ground.h"
 #include "tools/cook/walks.h"
+#include "tools/cook/wave_file.h"
 
 namespace ff::cook {
 namespace {
@@ -51,6 +53,7 @@ class SceneBuilder {
         ground_end_ = world_.placements.size();
         FF_TRY(add_scatters());
         FF_TRY(add_lamps());
+        FF_TRY(add_sounds());
         if (scale_ > 1 && !scene_.town) copy_static_content(world_, static_bounds(), scale_);
         context_.end_stage("models");
         set_spawn();
@@ -207,6 +210,8 @@ class SceneBuilder {
         FF_TRY(load(Kind::park_tree, town.park_trees));
         FF_TRY(load(Kind::garden_tree, town.garden_trees));
         FF_TRY(load(Kind::bush, town.bushes));
+        for (const Kind kind : {Kind::street_tree, Kind::park_tree, Kind::garden_tree, Kind::bush})
+            for (const Model& plant : models[kind]) mark_foliage(plant, world_);
         for (const city::CityProp& prop : site_.props) {
             const std::vector<Model>& choice = models[prop.kind];
             if (choice.empty()) continue;
@@ -259,6 +264,7 @@ class SceneBuilder {
             if (!is_wanted(described)) continue;
             FF_ASSIGN(const Model* loaded,
                       model(described.file, described.dynamic ? ModelKind::animated : ModelKind::still));
+            if (described.sways) mark_foliage(*loaded, world_);
             const std::vector<double>& p = described.position_m;
             DVec3 position(p.front(), 0, p.back());
             const std::optional<double> below = ground_now()(position.x, position.z);
@@ -338,6 +344,7 @@ class SceneBuilder {
             std::vector<Model> models;
             for (const std::filesystem::path& path : described.files) {
                 FF_ASSIGN(const Model* loaded, model(path));
+                if (described.sways) mark_foliage(*loaded, world_);
                 models.push_back(*loaded);
             }
             ScatterRule rule;
@@ -392,6 +399,23 @@ class SceneBuilder {
                 const DMat3 world_from_model = DMat3(placement.world_from_mesh) * mesh_from_model;
                 lamp.position = placement.position + world_from_model * (offset - part.position);
                 world_.lamps.push_back(lamp);
+            }
+        }
+        return {};
+    }
+
+    Status add_sounds() {
+        for (const SoundDescription& described : scene_.sounds) {
+            FF_ASSIGN(scene::SoundClip clip, read_sound(described.file, described.name));
+            context_.add_input(described.file);
+            const auto id = std::uint32_t(world_.sounds.clips.size());
+            world_.sounds.clips.push_back(std::move(clip));
+            for (const std::vector<double>& p : described.positions_m) {
+                const double y = p.size() == 3 ? p[1] : ground_now()(p.front(), p.back()).value_or(0.0);
+                world_.sounds.sources.push_back({.position = {p.front(), y, p.back()},
+                                                 .clip = id,
+                                                 .reference_m = described.reference_m,
+                                                 .gain = described.gain});
             }
         }
         return {};

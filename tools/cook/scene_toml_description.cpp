@@ -149,6 +149,7 @@ void read_model(const toml::table& source, TomlReport& report, SceneDescription&
     model.yaw_deg = table.number("yaw_deg", 0, -1e6, 1e6);
     model.scale = table.number("scale", 1, 1e-6, 1e6);
     model.dynamic = table.boolean("dynamic", false);
+    model.sways = table.boolean("sways", false);
     model.name = table.text("name", "");
     model.animation = table.text("animation", "");
     model.animation_phase = table.number("animation_phase", 0, 0, 0.999999);
@@ -208,9 +209,26 @@ void read_scatter(const toml::table& source, TomlReport& report, SceneDescriptio
     scatter.clump_m = table.number("clump_m", 0, 0, 1e5);
     scatter.height_m = pair_of(table.numbers("height_m", 2, 2, -12000, 12000));
     scatter.scale = pair_or(table.numbers("scale", 2, 2, 1e-3, 1e3), {1.0, 1.0});
+    scatter.sways = table.boolean("sways", true);
     scatter.seed = std::uint64_t(table.integer("seed", 1, 0, 1'000'000'000));
     table.finish();
     scene.scatters.push_back(std::move(scatter));
+}
+
+void read_sound_table(const toml::table& source, TomlReport& report, SceneDescription& scene) {
+    TomlTable table(source, "[[sound]]", report);
+    SoundDescription sound;
+    sound.file = table.file("file", true);
+    sound.name = table.text("name", "");
+    if (sound.name.empty()) sound.name = sound.file.stem().string();
+    const auto is_same = [&](const SoundDescription& other) { return other.name == sound.name; };
+    if (std::any_of(scene.sounds.begin(), scene.sounds.end(), is_same))
+        table.fail(table.has("name") ? "name" : "file", fmt::format("\"{}\" is there twice", sound.name));
+    sound.positions_m = table.points("positions_m", 2, 3);
+    sound.reference_m = float(table.number("reference_m", sound.reference_m, 0.1, 1e4));
+    sound.gain = float(table.number("gain", sound.gain, 0, 1));
+    table.finish();
+    scene.sounds.push_back(std::move(sound));
 }
 
 void read_lamp(const toml::table& source, TomlReport& report, SceneDescription& scene) {
@@ -330,6 +348,7 @@ Result<SceneDescription> read_scene_description(const std::filesystem::path& pat
     for (const toml::table* source : root.tables("place")) read_place(*source, report, scene);
     check_names_of_places(root, scene);
     for (const toml::table* source : root.tables("scatter")) read_scatter(*source, report, scene);
+    for (const toml::table* source : root.tables("sound")) read_sound_table(*source, report, scene);
     for (const toml::table* source : root.tables("lamp")) read_lamp(*source, report, scene);
     for (const toml::table* source : root.tables("water")) read_water(*source, report, scene);
     if (!scene.waters.empty() && !scene.terrain) root.fail("water", "expected a [terrain] for it to lie in");

@@ -52,6 +52,7 @@ struct ModelDescription {
     std::vector<double> position_m{0.0, 0.0};  ///< [x, z] or [x, y, z]
     double yaw_deg = 0, scale = 1;
     bool dynamic = false;
+    bool sways = false;          ///< wind moves its masked materials
     std::string name;            ///< empty: none
     std::string animation;       ///< clip that it plays; empty: the first
     double animation_phase = 0;  ///< [0, 1)
@@ -73,6 +74,7 @@ struct ScatterDescription {
     std::array<double, 2> scale{1, 1};
     std::optional<std::array<double, 2>> height_m;
     std::uint64_t seed = 1;
+    bool sways = true;  ///< wind moves their masked materials
 };
 
 struct LampDescription {
@@ -80,6 +82,14 @@ struct LampDescription {
     std::vector<double> position_m;  ///< [x, z]: offset_m above the ground; or [x, y, z]
     std::array<double, 3> offset_m{0, 0, 0};
     scene::Lamp lamp;
+};
+
+struct SoundDescription {
+    std::filesystem::path file;
+    std::string name;  ///< empty: the file's, without its ending
+    /// [x, z] on the ground or [x, y, z], a source at each; none: for games to play
+    std::vector<std::vector<double>> positions_m;
+    float reference_m = 5.0f, gain = 1.0f;
 };
 
 struct WalkDescription {
@@ -100,6 +110,7 @@ struct SceneDescription {
     std::vector<ModelDescription> models;
     std::vector<ScatterDescription> scatters;
     std::vector<LampDescription> lamps;
+    std::vector<SoundDescription> sounds;
     std::vector<WaterDescription> waters;
     std::optional<std::array<double, 3>> spawn;  ///< x, z, yaw
     std::optional<double> spawn_y;

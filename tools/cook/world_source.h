@@ -8,6 +8,7 @@
 #include "engine/scene/animation.h"
 #include "engine/scene/environment.h"
 #include "engine/scene/scene_data.h"
+#include "engine/scene/sound.h"
 
 namespace ff::cook {
 
@@ -73,6 +74,7 @@ struct WorldSource {
     std::vector<std::uint16_t> sky_panorama;  ///< see Environment::panorama
     DVec3 spawn_position{0.0};
     double spawn_yaw_deg = 0.0;
+    scene::SoundSet sounds;
     std::vector<SourceWalk> walks;
     std::vector<SourcePlace> places;
     std::uint64_t bytes_in = 0;  ///< of all source files read

@@ -186,6 +186,19 @@ void add_view_options(CLI::App& app, ViewOptions& view, bool with_mode) {
     };
     add_weather("--rain", &scene::Weather::rain, "Rain instead of the scene's weather, 0 to 1");
     add_weather("--snow", &scene::Weather::snow, "Snow instead of the scene's weather, 0 to 1");
+    app.add_option_function<std::vector<double>>(
+           "--wind",
+           [&settings](const std::vector<double>& wind) {
+               if (!settings.weather) settings.weather.emplace();
+               const double from = radians_of(wind[1]);
+               settings.weather->wind_m_s = Vec2(-wind[0] * std::sin(from), wind[0] * std::cos(from));
+           },
+           "Wind instead of the scene's: metres a second, and where it comes from, degrees clockwise from north: 6,270")
+        ->delimiter(',')
+        ->expected(2)
+        ->check(number_in(-360.0, 360.0));
+    app.add_option("--wind-within-m", settings.wind_within_m, "Leaves farther away stand still; 0: all do")
+        ->check(number_in(0.0, 1e3));
     app.add_option("--lamps-within-m", settings.lamps_within_m, "Lamps farther away light nothing; 0: none does")
         ->check(number_in(0.0, 1e5));
     app.add_option("--reflection-rays", settings.reflection_rays,

@@ -120,6 +120,7 @@ Result<std::unique_ptr<Session>> Session::open(const ViewOptions& options, std::
     FF_ASSIGN(session->world_, open_world(options.pack));
     FF_ASSIGN(session->walk_, find_walk(*session->world_, options.walk));
     FF_ASSIGN(session->settings_, chosen_settings(options, *session->world_, session->walk_));
+    session->settings_.hearing.is_called_for = !session->world_->info().sounds.clips.empty();
     session->sun_deg_ = options.sun_deg;
     session->sun_to_deg_ = options.sun_to_deg;
     session->settings_.to_sun = session->settings_at(0).to_sun;
