@@ -51,16 +51,16 @@ void* realloc(void* old, std::size_t size) {
     return __libc_realloc(old, size);
 }
 }
-// Not inlined: the compiler would take malloc and our delete for a mismatched pair.
-[[gnu::noinline]] void* operator new(std::size_t size) {
+void* operator new(std::size_t size) {
     count(__builtin_return_address(0));
     if (void* memory = __libc_malloc(size)) return memory;
     std::abort();
 }
-void operator delete(void* memory) noexcept {
+// Not inlined: else the compiler sees memory of our operator new go to free(), and warns.
+[[gnu::noinline]] void operator delete(void* memory) noexcept {
     std::free(memory);
 }
-void operator delete(void* memory, std::size_t) noexcept {
+[[gnu::noinline]] void operator delete(void* memory, std::size_t) noexcept {
     std::free(memory);
 }
 #endif
