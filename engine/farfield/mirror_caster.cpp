@@ -30,18 +30,22 @@ DepthPlane mirror_before(const PinholeView& mirrored, const MirrorPlane& plane, 
     return {float(normal.x * inverse), float(normal.y * inverse), float(-normal.z * inverse)};
 }
 
-CastCost MirrorCaster::cast(const PinholeView& view, const DepthPlane& plane, std::span<const TileRequest> tiles,
-                            VisibilityBuffer& out) {
-    const beam::BeamView beam_view(view);
-    CastCostSum shared;
-    const std::span<const beam::BeamRequest> requests = requests_.gather(view, tiles);
-    parallel_ranges(requests.size(), 1, [&](std::size_t begin, std::size_t end) {
-        CastCost cost;
-        for (std::size_t i = begin; i < end; ++i) {
-            beam::BeamRequest request = requests[i];
-            request.behind = &plane;
-            beam::cast_tile(scene_, beam_view, request, out, cost);
+CastCost MirrorCaster::cast(std::span<const MirrorRequest> mirrors, VisibilityBuffer& out) {
+    if (requests_.size() < mirrors.size()) requests_.resize(mirrors.size());
+    views_.clear();
+    beams_.clear();
+    for (std::uint32_t i = 0; i < mirrors.size(); ++i) {
+        views_.emplace_back(mirrors[i].view);
+        for (beam::BeamRequest request : requests_[i].gather(mirrors[i].view, mirrors[i].tiles)) {
+            request.behind = &mirrors[i].before;
+            beams_.push_back({i, request});
         }
+    }
+    CastCostSum shared;
+    parallel_ranges(beams_.size(), 1, [&](std::size_t begin, std::size_t end) {
+        CastCost cost;
+        for (std::size_t i = begin; i < end; ++i)
+            beam::cast_tile(scene_, views_[beams_[i].mirror], beams_[i].request, out, cost);
         shared.add(cost);
     });
     return shared.total();

@@ -1,7 +1,9 @@
 #pragma once
 // What a flat mirror shows: the view of the eye's image behind it, of which only what lies beyond the mirror counts.
 
+#include <cstdint>
 #include <span>
+#include <vector>
 
 #include "engine/farfield/beam_caster.h"
 #include "engine/farfield/ray_caster.h"
@@ -23,6 +25,13 @@ struct MirrorPlane {
 /// @param lift_m  so much nearer to the eye: what the mirror is made of lies within
 [[nodiscard]] DepthPlane mirror_before(const PinholeView& mirrored, const MirrorPlane& plane, double lift_m);
 
+/// What is asked of one mirror.
+struct MirrorRequest {
+    PinholeView view;                    ///< mirrored_view()
+    DepthPlane before;                   ///< mirror_before(); nothing nearer is met
+    std::span<const TileRequest> tiles;  ///< of that view; no pixel twice, whichever the mirror
+};
+
 /// Tile beams that begin at a plane. Unlike a RayCaster's begin, which is a hint, this is strict: an eye behind a
 /// water's surface stands in the ground.
 /// Threads: as RayCaster.
@@ -31,13 +40,18 @@ class MirrorCaster {
     /// @param scene  looked up anew in each cast; must outlive this
     explicit MirrorCaster(const scene::StaticScene& scene) : scene_(scene) {}
 
-    /// As RayCaster::cast_tiles(), without anything nearer than the plane.
-    CastCost cast(const PinholeView& view, const DepthPlane& plane, std::span<const TileRequest> tiles,
-                  VisibilityBuffer& out);
+    /// As RayCaster::cast_tiles(), for all mirrors at once: many have but a few tiles.
+    CastCost cast(std::span<const MirrorRequest> mirrors, VisibilityBuffer& out);
 
   private:
+    struct Beam {
+        std::uint32_t mirror;
+        beam::BeamRequest request;
+    };
     const scene::StaticScene& scene_;
-    beam::BeamRequests requests_;
+    std::vector<beam::BeamRequests> requests_;  // by mirror
+    std::vector<beam::BeamView> views_;         // likewise
+    std::vector<Beam> beams_;
 };
 
 }  // namespace ff::farfield

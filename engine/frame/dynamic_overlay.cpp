@@ -19,8 +19,13 @@ farfield::CastCost DynamicOverlay::draw(const PinholeView& view, std::span<const
         visibility_.resize(visibility.width, visibility.height);
     scene_.instances = dynamic;
     scene_.instance_nodes = tree_.build(dynamic, scene_.origin);
-    const farfield::CastCost cost = behind != nullptr ? behind_.cast(view, *behind, tiles, visibility_)
-                                                      : caster_->cast_tiles(view, tiles, visibility_);
+    farfield::CastCost cost;
+    if (behind != nullptr) {
+        const farfield::MirrorRequest request{view, *behind, tiles};
+        cost = behind_.cast({&request, 1}, visibility_);
+    } else {
+        cost = caster_->cast_tiles(view, tiles, visibility_);
+    }
 
     for (const farfield::TileRequest& tile : tiles)
         for (int row = 0; row < farfield::kTileSize; ++row) {

@@ -50,23 +50,28 @@ std::uint64_t find_mirrors(const FramePlan& plan, const effects::MirrorInput& in
     return pixels;
 }
 
-void draw_mirror(const FramePlan& plan, const Tools& tools, std::size_t mirror, FrameHistory& history,
-                 ReflectionWork& work, FrameStats& stats) {
-    const std::span<const TileRequest> tiles = work.mirrors.tiles(mirror);
-    const farfield::MirrorPlane& plane = work.mirrors.found()[mirror].plane;
-    const PinholeView view = farfield::mirrored_view(plan.view, plane, work.shown.step);
-    const farfield::DepthPlane before = farfield::mirror_before(view, plane, kLiftM);
-    std::uint64_t rays = work.caster.cast(view, before, tiles, work.visibility).rays;
-    if (!plan.dynamic.empty())
+std::uint64_t cast_mirrors(const FramePlan& plan, ReflectionWork& work) {
+    work.requests.clear();
+    for (std::size_t i = 0; i < work.mirrors.found().size(); ++i) {
+        const farfield::MirrorPlane& plane = work.mirrors.found()[i].plane;
+        const PinholeView view = farfield::mirrored_view(plan.view, plane, work.shown.step);
+        work.requests.push_back({view, farfield::mirror_before(view, plane, kLiftM), work.mirrors.tiles(i)});
+    }
+    std::uint64_t rays = work.caster.cast(work.requests, work.visibility).rays;
+    if (plan.dynamic.empty()) return rays;
+    for (const auto& [view, before, tiles] : work.requests)
         rays += work.moving.draw(view, plan.dynamic, tiles, work.visibility, work.covered, &before).rays;
+    return rays;
+}
+
+void shade_mirror(const FramePlan& plan, const Tools& tools, const PinholeView& view,
+                  std::span<const TileRequest> tiles, FrameHistory& history, ReflectionWork& work, FrameStats& stats) {
     const std::uint8_t* const sun_seen =
         find_sun_in_mirror(plan, tools.scene, view, work.visibility, tiles, work.sun_seen, history.sun, stats);
     shading::ShadeSettings settings = shade_settings(plan, tools, view, sun_seen, history, stats);
     settings.plain_srgb = true;  // what looks it up is shown by film itself
     shading::shade_tiles(tools.scene, plan.dynamic, view, work.visibility, tiles, settings, work.image);
     mark_sky(tiles, work.visibility, work.image);
-    stats.rays += rays;
-    stats.work(effects::EffectId::reflections).rays += rays;
 }
 
 }  // namespace
@@ -77,6 +82,7 @@ ReflectionWork::ReflectionWork(const scene::StaticScene& scene, int width, int h
     image.resize(width, height);
     covered.reset(width, height);
     moving.reserve(width, height);
+    requests.reserve(effects::Mirrors::kMost);
     sun_seen = ZeroPageVector<std::uint8_t>(visibility.depth.size());
 }
 
@@ -104,7 +110,11 @@ const shading::Reflections* find_reflections(const FramePlan& plan, const Tools&
     if (width < 2 || height < 2) return nullptr;
     fit(work.visibility, work.image, width, height);
     work.covered.reset(width, height);
-    for (std::size_t i = 0; i < work.mirrors.found().size(); ++i) draw_mirror(plan, tools, i, history, work, stats);
+    const std::uint64_t rays = cast_mirrors(plan, work);
+    stats.rays += rays;
+    stats.work(effects::EffectId::reflections).rays += rays;
+    for (const farfield::MirrorRequest& mirror : work.requests)
+        shade_mirror(plan, tools, mirror.view, mirror.tiles, history, work, stats);
     work.shown.depth = work.visibility.depth.data();
     return &work.shown;
 }

@@ -23,6 +23,7 @@ struct ReflectionWork {
 
     effects::Mirrors mirrors;
     farfield::MirrorCaster caster;
+    std::vector<farfield::MirrorRequest> requests;  ///< of this frame
     DynamicOverlay moving;
     farfield::VisibilityBuffer visibility;  ///< of the mirrored views, all of them in one
     farfield::PixelMask covered;            ///< scratch: by what moves

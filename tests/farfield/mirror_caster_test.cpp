@@ -39,7 +39,8 @@ TEST(mirror_caster, shows_what_rays_from_the_mirror_meet) {
         VisibilityBuffer visibility;
         visibility.resize(mirrored.width, mirrored.height);
         const std::vector<TileRequest> tiles = test::all_tiles(mirrored.width, mirrored.height);
-        MirrorCaster(scene).cast(mirrored, before, tiles, visibility);
+        const MirrorRequest request{mirrored, before, tiles};
+        MirrorCaster(scene).cast({&request, 1}, visibility);
 
         const auto caster = make_beam_caster(scene);
         for (int y = 0; y < mirrored.height; ++y)

@@ -22,4 +22,4 @@ test -s unpacked/share/applications/quiet-hills.desktop
 test -s unpacked/share/icons/hicolor/scalable/apps/quiet-hills.svg
 grep -q "^libembree3-3 " unpacked/share/doc/quiet-hills/copyright
 [ "$(dpkg-deb -f packages/quiet-hills_*.deb Package)" = quiet-hills ]
-dpkg-deb -f packages/quiet-hills_*.deb Depends | grep -q libembree3-3
+dpkg-deb -f packages/quiet-hills_*.deb Depends | grep libembree3-3 >/dev/null
