@@ -276,7 +276,7 @@ void Mirrors::keep_largest() {
 /// Pixels beside mirrors are asked for, too: what is filtered, and what waves bend rays to.
 void Mirrors::widen() {
     if (found_ == 0) return;
-    parallel_ranges(wide_tiles_.size(), 16, [&](std::size_t begin, std::size_t end) {
+    parallel_ranges(wide_tiles_.size(), 4, [&](std::size_t begin, std::size_t end) {
         for (std::size_t t = begin; t < end; ++t)
             visit_pixels(wide_tiles_[t], [&](int x, int y, std::size_t to) {
                 const auto at = [&](int dx, int dy) {

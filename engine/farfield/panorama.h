@@ -151,12 +151,13 @@ class Panorama {
                          const PanoramaTarget& target, std::vector<TileRequest>& to_cast);
 
     /// Settles the edges that the last lookup left aside (EdgeRule::verify): what the four texels around such a pixel
-    /// show is intersected by the pixel's own ray, and the nearest goes to `out`, to be shaded. Pixels that none of
-    /// them covers look past all of them: they get the colour of the farthest texel.
+    /// show is intersected by the pixel's own ray, and the nearest goes to `out`. Its colour is that of the texels that
+    /// show the same triangle, which were shaded less than a texel away. Pixels that none of the triangles covers look
+    /// past all of them: they get the colour of the farthest texel.
     /// @param view, target  as for the lookup
-    /// @param verified      set where `out` was written
+    /// @param left          set where `out` was written but no texel around shows that triangle: to be shaded
     void verify_edges(const scene::StaticScene& scene, const PinholeView& view, const PanoramaTarget& target,
-                      VisibilityBuffer& out, PixelMask& verified);
+                      VisibilityBuffer& out, PixelMask& left);
 
     /// Enters pixels that were cast and shaded for the screen.
     /// @param lit  optional: which of them see the sun, as visibility; then light() is kept, too

@@ -50,6 +50,7 @@ void prefetch_texels(const PanoramaMap& map, std::int32_t quad) {
     for (const std::size_t at : {std::size_t(quad), std::size_t(quad) + std::size_t(map.size)}) {
         __builtin_prefetch(&map.visibility.instance[at]);
         __builtin_prefetch(&map.visibility.triangle[at]);
+        __builtin_prefetch(&map.colors[at]);
     }
 }
 
@@ -80,13 +81,54 @@ void show_farthest(const PanoramaMap& map, const TileRequest& tile, const TileRe
         }
 }
 
+/// The mean colour of those of four texels that show a primitive. Without branches: which do is anyone's guess.
+/// @return 0 where none does
+std::uint32_t mean_of_same(const PanoramaMap& map, const std::array<std::size_t, 4>& texels, PrimitiveId shown) {
+    constexpr std::uint32_t kOver[] = {0, 65536, 32768, 21846, 16384};  // 65536 / count
+    std::uint32_t red = 0, green = 0, blue = 0, count = 0;
+    for (const std::size_t at : texels) {
+        const auto same = std::uint32_t(map.visibility.instance[at] == shown.instance) &
+                          std::uint32_t(map.visibility.triangle[at] == shown.triangle);
+        const std::uint32_t color = map.colors[at] & (0u - same);
+        red += color & 255u;
+        green += color >> 8 & 255u;
+        blue += color >> 16 & 255u;
+        count += same;
+    }
+    const auto mean = [&](std::uint32_t sum) { return (sum * kOver[count] + 32768u) >> 16; };
+    const std::uint32_t opaque = count != 0 ? 0xFF000000u : 0u;
+    return opaque | mean(blue) << 16 | mean(green) << 8 | mean(red);
+}
+
+/// Pixels have the colour of the texels that show what their rays met: it was shaded less than a texel away.
+/// @return pixels whose texels do not, to be shaded
+TileRequest show_same(const PanoramaMap& map, const TileRequest& tile, const TileRequest& missed,
+                      std::span<const std::int32_t> quads, const VisibilityBuffer& met, const PanoramaTarget& target) {
+    TileRequest left{tile.x, tile.y, {}};
+    const std::int32_t* quad = quads.data();
+    for (int j = 0; j < kTileSize; ++j)
+        for (std::uint32_t bits = tile.rows[j]; bits != 0; bits &= bits - 1, ++quad) {
+            const int i = std::countr_zero(bits);
+            if (((missed.rows[j] >> i) & 1) != 0) continue;
+            const std::size_t pixel = met.index(tile.x + i, tile.y + j);
+            const std::uint32_t color =
+                mean_of_same(map, texels_of(*quad, map.size), {met.instance[pixel], met.triangle[pixel]});
+            if (color == 0)
+                left.rows[j] = std::uint16_t(left.rows[j] | 1u << i);
+            else
+                target.colors[std::size_t(tile.y + j) * std::size_t(target.color_stride) + std::size_t(tile.x + i)] =
+                    color;
+        }
+    return left;
+}
+
 }  // namespace
 
 void Panorama::verify_edges(const scene::StaticScene& scene, const PinholeView& view, const PanoramaTarget& target,
-                            VisibilityBuffer& out, PixelMask& verified) {
+                            VisibilityBuffer& out, PixelMask& left) {
     const State& s = *state_;
-    FF_CHECK(verified.width == view.width && verified.height == view.height, "a mask of {} x {} for a view of {} x {}",
-             verified.width, verified.height, view.width, view.height);
+    FF_CHECK(left.width == view.width && left.height == view.height, "a mask of {} x {} for a view of {} x {}",
+             left.width, left.height, view.width, view.height);
     const beam::BeamView beam_view(view);
     const VisibilityBuffer& map = s.map.visibility;
     parallel_ranges(s.edge_tiles.size(), kTilesPerTask, [&](std::size_t begin, std::size_t end) {
@@ -127,10 +169,10 @@ void Panorama::verify_edges(const scene::StaticScene& scene, const PinholeView& 
                 TileRequest missed;
                 cast_known_tile(scene, beam_view, tile, triangles, out, missed);
                 show_farthest(s.map, tile, missed, quads_of(t), target);
-                TileMask& mask = verified.tiles[std::size_t(tile.y / kTileSize) * std::size_t(verified.tiles_x) +
-                                                std::size_t(tile.x / kTileSize)];
-                for (int j = 0; j < kTileSize; ++j)
-                    mask.rows[j] = std::uint16_t(mask.rows[j] | (tile.rows[j] & ~missed.rows[j]));
+                TileMask& mask = left.tiles[std::size_t(tile.y / kTileSize) * std::size_t(left.tiles_x) +
+                                            std::size_t(tile.x / kTileSize)];
+                const TileRequest unknown = show_same(s.map, tile, missed, quads_of(t), out, target);
+                for (int j = 0; j < kTileSize; ++j) mask.rows[j] = std::uint16_t(mask.rows[j] | unknown.rows[j]);
             }
         }
     });

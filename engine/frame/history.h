@@ -32,7 +32,7 @@ namespace ff::frame {
 /// Pixels of the last frame by how they came to be, for counts and debug views.
 struct SourceMasks {
     farfield::PixelMask near_field, sky, panorama, cast, dynamic;
-    farfield::PixelMask verified;  ///< of the panorama's: seen by the pixel's own ray, to be shaded
+    farfield::PixelMask verified;  ///< of the panorama's: seen by the pixel's own ray, and to be shaded
 };
 
 /// What the panorama's texels were coloured by: another look makes them all wrong.

@@ -397,41 +397,63 @@ TEST(Panorama, KnowsNothingAfterItWasCleared) {
 }
 
 TEST(Panorama, VerifiedEdgesSeeWhatTheirPixelsSee) {
+    constexpr std::uint32_t kUntouched = 0xFFFFFFFEu;
     VisibilityBuffer first;
+    std::vector<std::uint32_t> first_colors;
     for (const int workers : {1, 2}) {
         const WorkerLimit limit(workers);
         Rig rig(test::make_city({.cells = 2}));
-        PixelMask verified;
-        std::uint64_t edges = 0, differ = 0;
+        PixelMask left;
+        std::uint64_t edges = 0, differ = 0, coloured = 0, off = 0;
         for (int frame = 0; frame < 8; ++frame) {
             const PinholeView view = view_at(kEye, 0.5 * frame, 0.3 * std::sin(0.7 * frame), 0.2 * frame);
             rig.panorama.begin_frame(kEye);
             rig.fill(view);
             const PanoramaStats stats = rig.lookup(view, {.edges = EdgeRule::verify});
-            verified.reset(kWidth, kHeight);
+            std::fill(rig.visibility.instance.begin(), rig.visibility.instance.end(), kUntouched);
+            left.reset(kWidth, kHeight);
             rig.panorama.verify_edges(rig.scene, view, {nullptr, rig.colors.data(), rig.visibility.stride},
-                                      rig.visibility, verified);
+                                      rig.visibility, left);
             VisibilityBuffer seen;
             seen.resize(kWidth, kHeight);
             rig.caster->cast_tiles(view, all_tiles(), seen);
+            std::uint64_t met = 0;
             for (int y = 0; y < kHeight; ++y)
                 for (int x = 0; x < kWidth; ++x) {
-                    if (!verified.test(x, y)) continue;
                     const std::size_t at = seen.index(x, y);
-                    ++edges;
-                    differ += rig.visibility.instance[at] != seen.instance[at] ||
-                              rig.visibility.triangle[at] != seen.triangle[at];
+                    if (rig.visibility.instance[at] == kUntouched) {
+                        EXPECT_FALSE(left.test(x, y));
+                        continue;
+                    }
+                    ++met;
+                    const bool same = rig.visibility.instance[at] == seen.instance[at] &&
+                                      rig.visibility.triangle[at] == seen.triangle[at];
+                    differ += !same;
+                    if (left.test(x, y)) continue;
+                    // Painted triangle by triangle: another one's colour is far off.
+                    ++coloured;
+                    const std::uint32_t own = color_of(view, x, y, rig.visibility.instance[at],
+                                                       rig.visibility.triangle[at], rig.visibility.depth[at]);
+                    int most = 0;
+                    for (int shift = 0; shift < 24; shift += 8)
+                        most = std::max(most, std::abs(int(own >> shift & 255u) - int(rig.colors[at] >> shift & 255u)));
+                    off += most > 12;
                 }
-            EXPECT_LE(stats.cast + verified.count(), stats.wanted);
+            edges += met;
+            EXPECT_LE(stats.cast + met, stats.wanted);
         }
         EXPECT_GT(edges, 1000u);
         EXPECT_LT(differ * 50, edges) << differ << " of " << edges;
+        EXPECT_GT(coloured * 10, edges * 8) << coloured << " of " << edges;
+        EXPECT_LT(off * 50, coloured) << off << " of " << coloured;
         if (workers == 1) {
             first = rig.visibility;
+            first_colors = rig.colors;
         } else {
             EXPECT_EQ(rig.visibility.instance, first.instance);
             EXPECT_EQ(rig.visibility.triangle, first.triangle);
             EXPECT_EQ(rig.visibility.depth, first.depth);
+            EXPECT_EQ(rig.colors, first_colors);
         }
     }
 }
