@@ -61,6 +61,15 @@ TEST(WorstFrames, keeps_the_slowest_as_they_pass) {
     EXPECT_THAT(frames, ElementsAre(1, 60));
 }
 
+TEST(WorstFrames, of_which_none_are_asked_for_keeps_none) {
+    WorstFrames none(0);
+    for (std::size_t frame = 0; frame < 100; ++frame) {
+        EXPECT_FALSE(none.wants(frame, double(frame)));
+        none.keep({.frame = frame, .ms = double(frame), .plan = {}, .image = {}});
+    }
+    EXPECT_TRUE(none.pictures().empty());
+}
+
 std::string error_of(const json& data) {
     const Input input{"x.json", data.dump()};
     const auto page = make_page(std::span(&input, 1));

@@ -109,6 +109,11 @@ TEST(ReportTest, its_page_draws_and_its_controls_work_in_a_browser) {
     const ProcessResult played =
         run_ff("play " + pack + " --player random --minutes 0.05 --recording " + in_scratch("session.ffreplay"));
     ASSERT_EQ(played.exit_code, 0) << played.err;
+    for (const char* how : {"", " --each-frame --json"}) {
+        const ProcessResult drawn =
+            run_ff("replay " + in_scratch("session.ffreplay") + " --pack " + pack + " --bench --size 96x64" + how);
+        EXPECT_EQ(drawn.exit_code, 0) << how << drawn.err;
+    }
     const ProcessResult compared = run_ff("compare " + in_scratch("session.ffreplay") + " --packs " + pack + " " +
                                           pack + " --size 96x64 --json --out " + in_scratch("compare"));
     ASSERT_EQ(compared.exit_code, 0) << compared.err;

@@ -13,6 +13,7 @@ bool is_faster(const FramePicture& a, const FramePicture& b) {
 }  // namespace
 
 bool WorstFrames::wants(std::size_t frame, double ms) const {
+    if (count_ == 0) return false;
     if (!pictures_.empty() && frame - pictures_.back().frame < kFramesApart) return ms > pictures_.back().ms;
     return pictures_.size() < count_ || ms > std::min_element(pictures_.begin(), pictures_.end(), is_faster)->ms;
 }
