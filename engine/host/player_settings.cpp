@@ -22,7 +22,7 @@ class SettingsReader {
         // 0 stands for the game's own choice, wherever it is a default.
         if (!value || !(*value == out || (*value >= low && *value <= high)))
             return fail(*node, fmt::format("{}: expected a number from {} to {}", key, low, high));
-        out = *value;
+        out = *value + 0.0;  // no negative zero: it would be written as an integer, and read as another number
     }
     void integer(const char* key, int low, int high, int& out) {
         double value = out;

@@ -29,6 +29,14 @@ TEST(PlayerSettings, are_read_as_they_are_written) {
     EXPECT_EQ(read->actions[4].triggers[0], *loop::parse_trigger("mouse right"));
 }
 
+TEST(PlayerSettings, a_negative_zero_is_read_as_it_is_written) {
+    const auto first = read_settings("fov_deg = -0.0\n", "settings.toml", actions());
+    ASSERT_TRUE(first) << first.error().message;
+    const auto again = read_settings(to_text(*first), "settings.toml", actions());
+    ASSERT_TRUE(again) << again.error().message;
+    EXPECT_EQ(to_text(*again), to_text(*first));
+}
+
 TEST(PlayerSettings, keys_that_are_not_there_keep_the_games_values) {
     const auto read = read_settings("mouse_speed = 2.0\n", "settings.toml", actions());
     ASSERT_TRUE(read) << read.error().message;
