@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <cstdlib>
+#include <filesystem>
 #include <span>
 #include <string>
 
@@ -14,7 +15,7 @@ namespace ff::test {
 namespace {
 
 std::string shader_text() {
-    auto text = read_text_file(std::string(FF_SOURCE_DIR) + "/engine/shaders/shading.glsl");
+    auto text = read_text_file(std::filesystem::path(FF_SOURCE_DIR) / "engine/shaders/shading.glsl");
     return text ? *text : std::string();
 }
 
