@@ -336,9 +336,9 @@ void trim(int width, int height, TileRequest& tile) {
 
 void SunHistory::begin_frame(const SunHistoryInput& input) {
     const VisibilityBuffer& visibility = input.visibility;
-    ++frame_;
     if (input.to_sun != to_sun_) clear();
     to_sun_ = input.to_sun;
+    ++frame_;
     const std::size_t count = std::size_t(visibility.stride) * std::size_t(visibility.rows);
     current_.words.resize(std::max(count, current_.words.size()));
     current_.width = visibility.width;

@@ -51,8 +51,12 @@ class SunHistory {
     /// Whether there is a last frame to ask.
     [[nodiscard]] bool knows() const { return last_.width > 0; }
 
-    /// Forgets everything, as where the world has changed.
-    void clear() { last_.width = 0; }
+    /// Forgets everything, as where the world has changed; what follows is as if this were new.
+    void clear() {
+        last_.width = 0;
+        last_moving_.clear();
+        frame_ = 0;
+    }
 
   private:
     /// One pixel a word, row-major: float32 depth without its 12 lowest bits, then kSettledBit and kLitBit, then

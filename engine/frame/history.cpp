@@ -21,7 +21,8 @@ void FrameHistory::reset(int width, int height) {
         sun->pause_frames = 0;
     }
     if (shelter) shelter->clear();
-    reflections.reset();  // of one image size
+    if (reflections && !reflections->fits(width, height)) reflections.reset();
+    if (reflections) reflections->step = ReflectionWork::kFirstStep;
     panorama_light = {};
     panorama_is_full = false;
     swaying_share = 0.0;

@@ -77,7 +77,7 @@ void shade_mirror(const FramePlan& plan, const Tools& tools, const PinholeView& 
 }  // namespace
 
 ReflectionWork::ReflectionWork(const scene::StaticScene& scene, int width, int height)
-    : mirrors(width, height), caster(scene), moving(scene) {
+    : mirrors(width, height), caster(scene), moving(scene), width_(width), height_(height) {
     visibility.resize(width, height);
     image.resize(width, height);
     covered.reset(width, height);

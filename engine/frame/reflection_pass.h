@@ -19,7 +19,11 @@ struct Tools;
 
 /// What reflections need, made when a plan first asks for them.
 struct ReflectionWork {
+    static constexpr int kFirstStep = 2;
+
+    /// For frames of one size.
     ReflectionWork(const scene::StaticScene& scene, int width, int height);
+    [[nodiscard]] bool fits(int width, int height) const { return width == width_ && height == height_; }
 
     effects::Mirrors mirrors;
     farfield::MirrorCaster caster;
@@ -30,7 +34,10 @@ struct ReflectionWork {
     ZeroPageVector<std::uint8_t> sun_seen;
     shading::Image image;
     shading::Reflections shown{.image = image, .depth = nullptr};
-    int step = 2;  ///< of the next frame
+    int step = kFirstStep;  ///< of the next frame
+
+  private:
+    int width_, height_;
 };
 
 /// Finds what the mirrors of a frame show of the world.

@@ -147,6 +147,29 @@ TEST_P(SunShadowsTest, the_number_of_workers_changes_nothing) {
     EXPECT_EQ(images[0], images[1]);
 }
 
+TEST_P(SunShadowsTest, what_is_drawn_after_a_reset_takes_the_same_work_and_no_memory) {
+    Casters casters(scene);
+    Renderer renderer(scene, casters, nullptr, kWidth, kHeight);
+    shading::Image image;
+    for (const Mode mode : {Mode::hybrid, Mode::beam_reuse, Mode::reproject}) {
+        std::vector<FrameStats> first;
+        for (int lap = 0; lap < 3; ++lap) {
+            renderer.reset();
+            // Not a multiple of the frames in which light is cast anew: laps begin at another point of that cycle.
+            for (int f = 0; f < 7; ++f) {
+                const FrameStats& stats =
+                    renderer.draw(walker(f), {}, {.mode = mode, .fixed_near_m = 0.0, .deterministic = true}, image);
+                if (lap == 0) {
+                    first.push_back(stats);
+                    continue;
+                }
+                EXPECT_EQ(stats.rays, first[std::size_t(f)].rays) << "mode " << int(mode) << ", frame " << f;
+                EXPECT_EQ(stats.sun_rays, first[std::size_t(f)].sun_rays) << "mode " << int(mode) << ", frame " << f;
+            }
+        }
+    }
+}
+
 TEST_P(SunShadowsTest, without_them_nothing_is_made_and_no_ray_is_cast) {
     Casters casters(scene);
     shading::Image image;
