@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "engine/core/jobs.h"
 #include "engine/core/log.h"
 #include "engine/core/stopwatch.h"
 #include "engine/host/frame_log.h"
@@ -11,6 +12,7 @@
 #include "engine/scene/load_world.h"
 #include "game/beacons/beacons_game.h"
 #include "tools/ff/frame_recorder.h"
+#include "tools/ff/machine.h"
 #include "tools/ff/replay_drawer.h"
 #include "tools/ff/session.h"
 #include "tools/ff/video_writer.h"
@@ -147,6 +149,10 @@ Status run_replay(const ReplayOptions& options) {
     if (options.json) {
         nlohmann::json json =
             report_of(recording, session->tick(), tick_us, session->divergence(), drawer ? &drawer->log() : nullptr);
+        json["machine"] = {{"cpu", cpu_name()}, {"threads", worker_count()}};
+        if (drawer)
+            json["settings"] = {
+                {"width", options.size.width}, {"height", options.size.height}, {"budget_ms", options.budget_ms}};
         if (drawer && options.each_frame) FF_TRY(drawer->add_to(json));
         std::printf("%s\n", json.dump(1).c_str());
     }

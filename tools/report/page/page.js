@@ -36,8 +36,10 @@ function showHead() {
     const parts = [input.file];
     if (input.scene) parts.push(input.scene.name);
     if (input.recording) parts.push(input.recording);
+    if (input.kind === 'replay') parts.push(`${input.game} in ${input.pack.split('/').pop()}`);
     if (input.settings?.walk) parts.push(`walk ${input.settings.walk}`);
     if (input.settings?.width) parts.push(`${input.settings.width}x${input.settings.height}`);
+    if (input.settings?.budget_ms) parts.push(`a budget of ${input.settings.budget_ms} ms`);
     if (input.settings?.laps) parts.push(`${input.settings.laps} laps`);
     if (input.machine) parts.push(`${input.machine.cpu}, ${input.machine.threads} threads`);
     add(element('about'), 'p', parts.join(' · '));
