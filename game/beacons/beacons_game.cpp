@@ -43,10 +43,10 @@ class BeaconsGame final : public host::Game {
     std::string end_text() const override {
         const double minutes = double(ticks()) * kTick / 60.0;
         return stage() == host::Stage::won
-                   ? fmt::format("All beacons burn. It took you {:.1f} minutes; the valley sleeps safely tonight.",
+                   ? fmt::format("All beacons burn. It took you {:.1f} minutes;\nthe valley sleeps safely tonight.",
                                  minutes)
                    : std::string(
-                         "Night has fallen over a dark valley. Climb higher next time: from a height more can be "
+                         "Night has fallen over a dark valley.\nClimb higher next time: from a height more can be "
                          "seen.");
     }
     double yaw() const override { return const_cast<State&>(state_).view().yaw_urad * 1e-6; }
