@@ -5,9 +5,11 @@
 // horizontal length; most tiles are wholly above or wholly below the skyline of those columns. The others are decided
 // pixel by pixel.
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <limits>
 
+#include "engine/core/jobs.h"
 #include "engine/farfield/horizon.h"
 #include "engine/farfield/horizon_azimuth.h"
 
@@ -78,12 +80,14 @@ void range_of(const float* tangents, int first, int last, float& low, float& hig
     high = hn::GetLane(hn::MaxOfLanes(d, highest));
 }
 
-std::uint64_t find_sky(const PinholeView& view, const float* tangents, int columns, PixelMask& sky) {
+/// In rows of tiles from first_row to before end_row.
+std::uint64_t find_sky(const PinholeView& view, const float* tangents, int columns, int first_row, int end_row,
+                       PixelMask& sky) {
     constexpr float kInfinity = std::numeric_limits<float>::infinity();
     constexpr float kSlack = 1e-5f;  // rounding of directions, as tangent and as turns
     const Mat3& m = view.world_from_camera;
     std::uint64_t found = 0;
-    for (int tile_y = 0; tile_y < sky.tiles_y; ++tile_y)
+    for (int tile_y = first_row; tile_y < end_row; ++tile_y)
         for (int tile_x = 0; tile_x < sky.tiles_x; ++tile_x) {
             TileMask& mask = sky.tiles[std::size_t(tile_y) * std::size_t(sky.tiles_x) + std::size_t(tile_x)];
             const int x = tile_x * kTileSize, y = tile_y * kTileSize;
@@ -148,8 +152,14 @@ HWY_AFTER_NAMESPACE();
 namespace ff::farfield {
 HWY_EXPORT(find_sky);
 std::uint64_t find_sky_pixels(const PinholeView& view, const HorizonMap& map, PixelMask& sky) {
+    constexpr std::size_t kRowsPerTask = 4;
     sky.reset(view.width, view.height);
-    return HWY_DYNAMIC_DISPATCH(find_sky)(view, map.tangents().data(), map.settings().columns, sky);
+    std::atomic<std::uint64_t> found{0};
+    parallel_ranges(std::size_t(sky.tiles_y), kRowsPerTask, [&](std::size_t begin, std::size_t end) {
+        found += HWY_DYNAMIC_DISPATCH(find_sky)(view, map.tangents().data(), map.settings().columns, int(begin),
+                                                int(end), sky);
+    });
+    return found;
 }
 }  // namespace ff::farfield
 #endif
