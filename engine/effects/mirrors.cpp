@@ -37,49 +37,33 @@ const scene::Instance* instance_of(const scene::StaticScene& scene, std::span<co
 
 /// A triangle's plane and how it mirrors.
 struct Facet {
-    farfield::MirrorPlane plane;
+    std::optional<farfield::MirrorPlane> plane;
     float f0 = 0.0f;
     bool fades = false;
-    bool exists = false;  ///< not edge on, nor without area
 };
 
 Facet facet_of(const MirrorInput& input, std::uint32_t id, std::uint32_t triangle) {
     const scene::StaticScene& scene = input.scene;
     const scene::Instance& instance = *instance_of(scene, input.dynamic, id);
-    const scene::Mesh& mesh = scene.meshes[instance.mesh];
-    const std::size_t index = std::size_t(mesh.first_triangle) + triangle;
+    const std::size_t index = std::size_t(scene.meshes[instance.mesh].first_triangle) + triangle;
     const scene::Material& material = scene.materials[scene.triangle_materials[index]];
-    const DMat3 to_world(instance.world_from_mesh);
-    DVec3 corner[3];
-    for (std::size_t k = 0; k < 3; ++k)
-        corner[k] = to_world * DVec3(scene.positions[mesh.first_vertex + scene.indices[3 * index + k]]) +
-                    (instance.position - input.view.position);
-    DVec3 normal = glm::cross(corner[1] - corner[0], corner[2] - corner[0]);
-    const double length = glm::length(normal);
-    if (!(length > 0.0)) return {};
-    normal /= length;
-    double height = -glm::dot(normal, corner[0]);
-    if (height < 0.0) {
-        normal = -normal;
-        height = -height;
-    }
     const Vec4& color = material.base_color;
     const bool is_water = (material.flags & scene::kMaterialWater) != 0;
     const float metallic = is_water ? 0.0f : material.metallic;
-    return {.plane = {Vec3(normal), height},
+    return {.plane = mirror_plane(scene, instance, triangle, input.view.position),
             .f0 = std::lerp(shading::kDielectric, std::max({color.x, color.y, color.z}), metallic),
-            .fades = !is_water,
-            .exists = height > 1e-3};
+            .fades = !is_water};
 }
 
-/// Whether something in a square of the view may mirror: mostly few things stand in it, and none does.
-bool may_mirror(const MirrorInput& input, int x0, int y0, int side, MirrorTest& test) {
+/// Whether something in a tile of the visibility buffer may mirror: mostly few things stand in it, and none does.
+bool may_mirror(const MirrorInput& input, const farfield::TileRequest& tile, MirrorTest& test) {
     const farfield::VisibilityBuffer& seen = input.visibility;
     std::uint32_t last = kSkyInstance;
     MirrorFlags flags = 0;
-    for (int y = y0; y < std::min(y0 + side, seen.height); ++y) {
-        const std::size_t row = seen.index(0, y);
-        for (std::size_t at = row + std::size_t(x0); at < row + std::size_t(std::min(x0 + side, seen.width)); ++at) {
+    for (int j = 0; j < kTileSize; ++j) {
+        if (tile.rows[j] == 0) continue;
+        const std::size_t row = seen.index(tile.x, tile.y + j);
+        for (std::size_t at = row; at < row + std::size_t(kTileSize); ++at) {
             if (seen.instance[at] != last) {
                 last = seen.instance[at];
                 flags = test.flags_of(last);
@@ -115,6 +99,28 @@ MirrorKind MirrorTest::operator()(std::uint32_t instance, std::uint32_t triangle
     return kind_;
 }
 
+std::optional<farfield::MirrorPlane> mirror_plane(const scene::StaticScene& scene, const scene::Instance& instance,
+                                                  std::uint32_t triangle, const WorldPos& eye) {
+    const scene::Mesh& mesh = scene.meshes[instance.mesh];
+    const std::size_t index = std::size_t(mesh.first_triangle) + triangle;
+    const DMat3 to_world(instance.world_from_mesh);
+    DVec3 corner[3];
+    for (std::size_t k = 0; k < 3; ++k)
+        corner[k] = to_world * DVec3(scene.positions[mesh.first_vertex + scene.indices[3 * index + k]]) +
+                    (instance.position - eye);
+    DVec3 normal = glm::cross(corner[1] - corner[0], corner[2] - corner[0]);
+    const double length = glm::length(normal);
+    if (!(length > 0.0)) return std::nullopt;
+    normal /= length;
+    double height = -glm::dot(normal, corner[0]);
+    if (height < 0.0) {
+        normal = -normal;
+        height = -height;
+    }
+    if (!(height > 1e-3)) return std::nullopt;
+    return farfield::MirrorPlane{Vec3(normal), height};
+}
+
 bool mirrors_within(MirrorTest& kind_of, const farfield::VisibilityBuffer& seen, std::size_t at, float within_m) {
     const MirrorFlags flags = kind_of.flags_of(seen.instance[at]);
     const bool is_far = !(seen.depth[at] < within_m);
@@ -128,8 +134,9 @@ Mirrors::Mirrors(int width, int height) {
     const std::size_t pixels = tiles * std::size_t(kTileSize) * std::size_t(kTileSize);
     for (auto* names : {&instance_, &triangle_}) names->resize(pixels);
     for (auto* planes : {&plane_, &widened_}) planes->resize(pixels);
-    has_mirrors_.resize(tiles);
+    for (auto* flags : {&is_asked_, &has_mirrors_}) flags->resize(tiles);
     for (auto* lists : {&mirror_tiles_, &wide_tiles_}) lists->reserve(tiles);
+    looked_at_.reserve(tiles);
     planes_.reserve(kMostPlanes);
     for (auto& list : tiles_) list.reserve(tiles);
 }
@@ -140,7 +147,8 @@ std::uint64_t Mirrors::find(const MirrorInput& input, int step) {
     tiles_x_ = tiles_along(width_);
     tiles_y_ = tiles_along(height_);
     stride_ = tiles_x_ * kTileSize;
-    has_mirrors_.resize(std::size_t(tiles_x_) * std::size_t(tiles_y_));
+    for (auto* flags : {&is_asked_, &has_mirrors_}) flags->resize(std::size_t(tiles_x_) * std::size_t(tiles_y_));
+    find_asked(input, step);
     probe(input, step);
     list_tiles();
     assign_planes(input, step);
@@ -158,52 +166,95 @@ void Mirrors::visit_pixels(std::uint32_t tile, Visit&& visit) const {
             visit(x, y, std::size_t(y) * std::size_t(stride_) + std::size_t(x));
 }
 
+void Mirrors::find_asked(const MirrorInput& input, int step) {
+    asked_x_ = tiles_along(input.view.width);
+    asked_.assign(std::size_t(asked_x_) * std::size_t(tiles_along(input.view.height)), 0);
+    std::fill(is_asked_.begin(), is_asked_.end(), std::uint8_t(0));
+    for (std::size_t i = 0; i < input.tiles.size(); ++i) {
+        const int x = (input.tiles[i].x - input.left) / kTileSize, y = (input.tiles[i].y - input.top) / kTileSize;
+        asked_[std::size_t(y * asked_x_ + x)] = std::uint32_t(i + 1);
+        is_asked_[std::size_t(y / step * tiles_x_ + x / step)] = 1;
+    }
+}
+
 void Mirrors::probe(const MirrorInput& input, int step) {
-    // Four probes a pixel at most: what is smaller than half of it may be missed.
-    const int probes = std::min(step, 2), apart = step / probes, first = apart / 2;
-    const farfield::VisibilityBuffer& seen = input.visibility;
-    const auto mirrors_at = [&](MirrorTest& kind_of, std::size_t at) {
-        return mirrors_within(kind_of, seen, at, input.within_m);
-    };
-    const bool looks_first = probes * probes == step * step;  // else there are fewer probes than pixels to look at
     const std::size_t tiles_per_task = step == 1 ? 32 : 4;
     parallel_ranges(has_mirrors_.size(), tiles_per_task, [&](std::size_t begin, std::size_t end) {
         MirrorTest kind_of(input.scene, input.dynamic);
-        for (std::size_t t = begin; t < end; ++t) {
-            const int side = kTileSize * step;
-            const int x0 = int(t) % tiles_x_ * side, y0 = int(t) / tiles_x_ * side;
-            has_mirrors_[t] = 0;
-            if (looks_first && !may_mirror(input, x0, y0, side, kind_of)) continue;
-            bool any = false;
-            visit_pixels(std::uint32_t(t), [&](int x, int y, std::size_t to) {
-                instance_[to] = kSkyInstance;
-                for (int k = 0; k < probes * probes; ++k) {
-                    const int px = std::min(x * step + first + k % probes * apart, input.view.width - 1);
-                    const int py = std::min(y * step + first + k / probes * apart, input.view.height - 1);
-                    const std::size_t at = seen.index(px, py);
-                    if (!mirrors_at(kind_of, at)) continue;
-                    instance_[to] = seen.instance[at];
-                    triangle_[to] = seen.triangle[at];
-                    any = true;
-                    break;
-                }
-            });
-            has_mirrors_[t] = std::uint8_t(any);
-        }
+        for (std::size_t t = begin; t < end; ++t)
+            has_mirrors_[t] = std::uint8_t(is_asked_[t] != 0 && probe_tile(input, step, std::uint32_t(t), kind_of));
     });
 }
 
-/// Tiles with mirrors, and those with a mirror's pixel beside them.
+/// Names what the mirrors' pixels of a tile of the reduced image see.
+/// @return whether there are any
+bool Mirrors::probe_tile(const MirrorInput& input, int step, std::uint32_t tile, MirrorTest& kind_of) {
+    // Two probes along a side of a pixel at most: what is smaller than half of it may be missed.
+    const int probes = std::min(step, 2), apart = step / probes, first = apart / 2;
+    const bool looks_first = probes == step;  // else there are fewer probes than pixels to look at
+    const int side = kTileSize / step;        // pixels that a tile of the view has here
+    bool any = false;
+    const auto note = [&](int x, int y, std::size_t at) {
+        const std::size_t to = std::size_t(y) * std::size_t(stride_) + std::size_t(x);
+        if (any && instance_[to] != kSkyInstance) return;
+        if (!mirrors_within(kind_of, input.visibility, at, input.within_m)) return;
+        if (!input.water && kind_of(input.visibility.instance[at], input.visibility.triangle[at]) == MirrorKind::water)
+            return;
+        if (!any) visit_pixels(tile, [&](int, int, std::size_t pixel) { instance_[pixel] = kSkyInstance; });
+        any = true;
+        instance_[to] = input.visibility.instance[at];
+        triangle_[to] = input.visibility.triangle[at];
+    };
+    const int x0 = int(tile) % tiles_x_ * step, y0 = int(tile) / tiles_x_ * step;  // tiles of the view
+    const int rows = int(asked_.size()) / asked_x_;
+    for (int ty = y0; ty < std::min(y0 + step, rows); ++ty)
+        for (int tx = x0; tx < std::min(x0 + step, asked_x_); ++tx) {
+            const std::uint32_t place = asked_[std::size_t(ty * asked_x_ + tx)];
+            if (place == 0) continue;
+            const farfield::TileRequest& request = input.tiles[place - 1];
+            if (looks_first && !may_mirror(input, request, kind_of)) continue;
+            unsigned all = 0xFFFFu, some = 0;
+            for (const std::uint16_t row : request.rows) {
+                all &= row;
+                some |= row;
+            }
+            if (all == 0) {
+                // Single pixels: each for itself, as the probes could miss it.
+                for (int j = 0; j < kTileSize && some != 0; ++j)
+                    for (unsigned bits = request.rows[j]; bits != 0; bits &= bits - 1) {
+                        const int i = std::countr_zero(bits);
+                        note(tx * side + i / step, ty * side + j / step,
+                             input.visibility.index(request.x + i, request.y + j));
+                    }
+                continue;
+            }
+            for (int y = 0; y < side; ++y)
+                for (int x = 0; x < side; ++x)
+                    for (int k = 0; k < probes * probes; ++k) {
+                        const int i = x * step + first + k % probes * apart, j = y * step + first + k / probes * apart;
+                        if (((request.rows[j] >> i) & 1u) == 0) continue;
+                        note(tx * side + x, ty * side + y, input.visibility.index(request.x + i, request.y + j));
+                    }
+        }
+    return any;
+}
+
+/// Tiles with mirrors, those with a mirror's pixel beside them, and those that anyone who asks is in or beside.
 void Mirrors::list_tiles() {
     mirror_tiles_.clear();
     wide_tiles_.clear();
+    looked_at_.clear();
     for (int y = 0; y < tiles_y_; ++y)
         for (int x = 0; x < tiles_x_; ++x) {
             const auto tile = std::uint32_t(y * tiles_x_ + x);
-            unsigned near = 0;
+            unsigned near = 0, asked = 0;
             for (int ny = std::max(0, y - 1); ny <= std::min(tiles_y_ - 1, y + 1); ++ny)
-                for (int nx = std::max(0, x - 1); nx <= std::min(tiles_x_ - 1, x + 1); ++nx)
+                for (int nx = std::max(0, x - 1); nx <= std::min(tiles_x_ - 1, x + 1); ++nx) {
                     near |= has_mirrors_[std::size_t(ny * tiles_x_ + nx)];
+                    asked |= is_asked_[std::size_t(ny * tiles_x_ + nx)];
+                }
+            if (asked == 0) continue;
+            looked_at_.push_back({std::uint16_t(x * kTileSize), std::uint16_t(y * kTileSize), {}});
             if (has_mirrors_[tile] != 0) mirror_tiles_.push_back(tile);
             if (near == 0) continue;
             wide_tiles_.push_back(tile);
@@ -237,14 +288,14 @@ void Mirrors::assign_planes(const MirrorInput& input, int step) {
                 facet = facet_of(input, instance, triangle);
                 plane = kNone;
             }
-            if (!facet.exists) return;
+            if (!facet.plane) return;
             const Vec3 ray = input.view.direction(std::min(x * step + step / 2, input.view.width - 1),
                                                   std::min(y * step + step / 2, input.view.height - 1));
-            const float slope = -glm::dot(ray, facet.plane.normal);
-            if (facet.fades && !(facet.plane.height_m < double(input.within_m) * double(slope))) return;
+            const float slope = -glm::dot(ray, facet.plane->normal);
+            if (facet.fades && !(facet.plane->height_m < double(input.within_m) * double(slope))) return;
             if (!(shading::reflection_share(slope / glm::length(ray), facet.f0) > 0.0f)) return;
             // Only now: what shows nothing takes no place among the planes.
-            if (plane == kNone) plane = find_plane(facet.plane);
+            if (plane == kNone) plane = find_plane(*facet.plane);
             if (plane == kNone) return;
             plane_[at] = plane;
             ++planes_[plane].pixels;

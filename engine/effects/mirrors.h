@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -43,17 +44,26 @@ class MirrorTest {
     MirrorKind kind_ = MirrorKind::none;
 };
 
+/// The plane of a triangle, as seen by an eye; nullopt where that is in it, or where the triangle has no area.
+[[nodiscard]] std::optional<farfield::MirrorPlane> mirror_plane(const scene::StaticScene& scene,
+                                                                const scene::Instance& instance, std::uint32_t triangle,
+                                                                const WorldPos& eye);
+
 /// Whether a pixel sees water, or another mirror nearer than within_m along the view's axis.
 [[nodiscard]] bool mirrors_within(MirrorTest& kind_of, const farfield::VisibilityBuffer& seen, std::size_t at,
                                   float within_m);
 
-/// What a frame's mirrors are found in.
+/// What mirrors are found in.
 struct MirrorInput {
     const scene::StaticScene& scene;
     std::span<const scene::Instance> dynamic;
     const PinholeView& view;
-    const farfield::VisibilityBuffer& visibility;  ///< every pixel answered
-    float within_m = 120.0f;                       ///< depth from which on mirrors but water show nothing
+    const farfield::VisibilityBuffer& visibility;
+    int left = 0, top = 0;  ///< pixel of the visibility buffer that is the view's first; multiples of kTileSize
+    /// The pixels that ask, by tiles of the visibility buffer, all of them in the view and answered.
+    std::span<const farfield::TileRequest> tiles;
+    float within_m = 120.0f;  ///< depth from which on mirrors but water show nothing
+    bool water = true;        ///< whether water is asked for
 };
 
 /// A plane with mirrors in it.
@@ -69,19 +79,23 @@ class Mirrors {
   public:
     static constexpr std::size_t kMost = 16;  ///< planes
 
-    /// For views up to this size.
+    /// For views up to this size, reduced.
     Mirrors(int width, int height);
 
-    /// @param step  so many pixels of the view, along a side, are one
+    /// @param step  so many pixels of the view, along a side, are one: 1, 2, 4 or 8
     /// @return pixels of the reduced image that have to be cast
     std::uint64_t find(const MirrorInput& input, int step);
 
     [[nodiscard]] std::span<const Mirror> found() const { return {planes_.data(), found_}; }
     /// The pixels of one of them, and those beside it that filtering looks at, by tiles of the reduced image.
     [[nodiscard]] std::span<const farfield::TileRequest> tiles(std::size_t mirror) const { return tiles_[mirror]; }
+    /// All tiles of the reduced image that who shades the pixels may look at, mirrors or not: x and y alone.
+    [[nodiscard]] std::span<const farfield::TileRequest> looked_at() const { return looked_at_; }
 
   private:
+    void find_asked(const MirrorInput& input, int step);
     void probe(const MirrorInput& input, int step);
+    bool probe_tile(const MirrorInput& input, int step, std::uint32_t tile, MirrorTest& kind_of);
     void list_tiles();
     [[nodiscard]] std::uint8_t find_plane(const farfield::MirrorPlane& plane);
     void assign_planes(const MirrorInput& input, int step);
@@ -95,8 +109,11 @@ class Mirrors {
     int tiles_x_ = 0, tiles_y_ = 0;
     std::vector<std::uint32_t> instance_, triangle_;  // seen by a mirror's pixel, else kSkyInstance; in mirror_tiles_
     std::vector<std::uint8_t> plane_, widened_;       // by pixel: index into planes_, kNone; in wide_tiles_
+    int asked_x_ = 0;                                 // tiles of the view in a row
+    std::vector<std::uint32_t> asked_;                // by tile of the view: its place among the input's + 1, or 0
     // Most tiles have no mirror: all steps but the first look at those alone that have, and at the tiles around them.
-    std::vector<std::uint8_t> has_mirrors_;  // by tile
+    std::vector<std::uint8_t> is_asked_, has_mirrors_;  // by tile
+    std::vector<farfield::TileRequest> looked_at_;
     std::vector<std::uint32_t> mirror_tiles_, wide_tiles_;
     std::vector<Mirror> planes_;
     std::size_t found_ = 0;

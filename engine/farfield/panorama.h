@@ -159,6 +159,12 @@ class Panorama {
     void verify_edges(const scene::StaticScene& scene, const PinholeView& view, const PanoramaTarget& target,
                       VisibilityBuffer& out, PixelMask& left);
 
+    /// Gives pixels that the last lookup left to others the colour of the texels around that show what their rays met,
+    /// as verify_edges() does.
+    /// @param visibility, colors  of those pixels
+    /// @param asked               their mask; those that get a colour are taken out
+    void known_colors(const VisibilityBuffer& visibility, std::uint32_t* colors, int color_stride, PixelMask& asked);
+
     /// Enters pixels that were cast and shaded for the screen.
     /// @param lit  optional: which of them see the sun, as visibility; then light() is kept, too
     void store(const PinholeView& view, std::span<const TileRequest> tiles, const VisibilityBuffer& visibility,
@@ -178,8 +184,9 @@ class Panorama {
 
     /// Forgets the texels whose ray meets the box before or where it ends: call it with the old and the new box of
     /// whatever changed.
+    /// @param marked  all texels of marked tiles, too: mirrors may show the box wherever it is
     /// @return texels forgotten
-    std::uint64_t invalidate(const DBox3& box);
+    std::uint64_t invalidate(const DBox3& box, bool marked = false);
 
     /// Frames since the texel in a direction was cast; -1: never. For the debug view.
     [[nodiscard]] std::int64_t age(const Vec3& direction) const;

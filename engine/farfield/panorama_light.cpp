@@ -1,10 +1,11 @@
-// What the panorama's texels know of the light of pixels that others have answered.
+// What the panorama's texels know of the light and the colour of pixels that others have answered.
 
 #include <atomic>
 #include <bit>
 #include <optional>
 
 #include "engine/core/jobs.h"
+#include "engine/farfield/panorama_quads.h"
 #include "engine/farfield/panorama_state.h"
 
 namespace ff::farfield {
@@ -33,6 +34,32 @@ std::uint8_t* Panorama::light() {
         populate_pages(map.light);
     }
     return map.light.data();
+}
+
+void Panorama::known_colors(const VisibilityBuffer& visibility, std::uint32_t* colors, int color_stride,
+                            PixelMask& asked) {
+    const State& s = *state_;
+    parallel_ranges(s.edges.size(), kTilesPerTask, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t t = begin; t < end; ++t) {
+            const panorama::TileClasses& known = s.classes[t];
+            const int x = s.edges[t].x, y = s.edges[t].y;
+            TileMask& mask =
+                asked.tiles[std::size_t(y / kTileSize) * std::size_t(asked.tiles_x) + std::size_t(x / kTileSize)];
+            if (!known.any || mask.count() == 0) continue;
+            const std::int32_t* quad = known.quads.data();
+            for (int j = 0; j < kTileSize; ++j)
+                for (unsigned bits = unsigned(known.edge[j]) | known.noise[j]; bits != 0; bits &= bits - 1, ++quad) {
+                    const int i = std::countr_zero(bits);
+                    if (((mask.rows[j] >> i) & 1) == 0) continue;
+                    const std::size_t at = visibility.index(x + i, y + j);
+                    const std::uint32_t color = mean_of_same(s.map, texels_of(*quad, s.map.size),
+                                                             {visibility.instance[at], visibility.triangle[at]});
+                    if (color == 0) continue;
+                    colors[std::size_t(y + j) * std::size_t(color_stride) + std::size_t(x + i)] = color;
+                    mask.rows[j] = std::uint16_t(mask.rows[j] & ~(1u << i));
+                }
+        }
+    });
 }
 
 std::uint64_t Panorama::known_light(const VisibilityBuffer& visibility, std::uint8_t* lit,

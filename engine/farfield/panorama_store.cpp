@@ -74,7 +74,7 @@ void Panorama::store(const PinholeView& view, std::span<const TileRequest> tiles
     s.refresh_changed();
 }
 
-std::uint64_t Panorama::invalidate(const DBox3& box) {
+std::uint64_t Panorama::invalidate(const DBox3& box, bool marked) {
     State& s = *state_;
     if (box.is_empty() || s.record == kNeverTraced) return 0;
     const auto side = std::size_t(s.map.tiles_side);
@@ -93,7 +93,8 @@ std::uint64_t Panorama::invalidate(const DBox3& box) {
             if (texels.record == kNeverTraced) continue;
             const int x0 = int(tile % side) * kTileSize, y0 = int(tile / side) * kTileSize;
             const PinholeView& face = faces[std::size_t(y0 / s.map.size)];
-            if (texels.record != kMixedRecords) {
+            const bool forget_all = marked && texels.is_marked;
+            if (!forget_all && texels.record != kMixedRecords) {
                 // The box's ball against the tile's cone.
                 const DVec3 to = center - s.records[texels.record].position;
                 const double distance = glm::length(to);
@@ -111,7 +112,8 @@ std::uint64_t Panorama::invalidate(const DBox3& box) {
                     std::uint16_t& record = s.map.records[at];
                     if (record == kNeverTraced) continue;
                     const double depth = std::min(double(s.map.visibility.depth[at]), 1e9);
-                    if (!meets_segment(box, s.records[record].position, depth * texel_direction(face, x0 + i, y0 + j)))
+                    if (!forget_all &&
+                        !meets_segment(box, s.records[record].position, depth * texel_direction(face, x0 + i, y0 + j)))
                         continue;
                     record = kNeverTraced;
                     s.needs[tile] = 1;

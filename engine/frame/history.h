@@ -40,6 +40,7 @@ struct PanoramaLook {
     float blend_within_m = 0.0f;
     bool sun_shadows = false;
     float fog_density_per_m = 0.0f, lamps_within_m = 0.0f;
+    float reflections_within_m = 0.0f;  ///< 0: mirrors show the sky alone
     scene::Atmosphere atmosphere;
     scene::Weather weather;
 
@@ -78,17 +79,19 @@ struct FrameHistory {
     std::unique_ptr<farfield::Reprojection> reprojection;  ///< made when a plan first asks for it
     std::unique_ptr<SunLight> sun;                         ///< likewise
     std::unique_ptr<ReflectionWork> reflections;           ///< likewise
+    std::unique_ptr<ReflectionWork> panorama_reflections;  ///< likewise: of its texels
     SourceMasks sources;
-    std::vector<farfield::TileRequest> wanted;    ///< scratch: what neither near field nor horizon answers
-    std::vector<farfield::TileRequest> requests;  ///< scratch: what is to be cast
-    farfield::PixelMask answered;                 ///< scratch: what the near raster has drawn
-    farfield::PixelMask coloured;                 ///< scratch: what needs no shading
-    std::vector<farfield::TileRequest> to_shade;  ///< scratch: what no cached colour answers
-    std::vector<farfield::TileRequest> to_store;  ///< scratch: what the panorama may remember
-    std::vector<farfield::TileRequest> swaying;   ///< scratch: where leaves move, which no panorama answers
-    MovingTiles swaying_tiles;                    ///< scratch: likewise
-    double swaying_share = 0.0;                   ///< of the last frame's tiles, where a panorama was asked
-    std::vector<farfield::MovingSphere> moving;   ///< scratch: balls round what moves
+    std::vector<farfield::TileRequest> wanted;     ///< scratch: what neither near field nor horizon answers
+    std::vector<farfield::TileRequest> requests;   ///< scratch: what is to be cast
+    farfield::PixelMask answered, left;            ///< scratch
+    farfield::PixelMask coloured;                  ///< scratch: what needs no shading
+    std::vector<farfield::TileRequest> to_shade;   ///< scratch: what no cached colour answers
+    std::vector<farfield::TileRequest> to_store;   ///< scratch: what the panorama may remember
+    std::vector<farfield::TileRequest> swaying;    ///< scratch: where leaves move, which no panorama answers
+    MovingTiles swaying_tiles;                     ///< scratch: likewise
+    double swaying_share = 0.0;                    ///< of the last frame's tiles, where a panorama was asked
+    std::vector<farfield::MovingSphere> moving;    ///< scratch: balls round what moves
+    std::vector<farfield::MovingSphere> mirrored;  ///< scratch: those that mirrors may show
     std::vector<farfield::TileRequest> all_tiles;
     bool can_rasterise = false;  ///< there is OpenGL to draw a near field with
     bool has_frame = false;

@@ -20,13 +20,47 @@ constexpr double kLiftM = 0.03;
 /// A finer step is taken once its rays fill no more than this share of the budget: no flicker between two.
 constexpr double kRoom = 0.8;
 
-void fit(farfield::VisibilityBuffer& visibility, shading::Image& image, int width, int height) {
+/// Texels are shaded once for many frames: so many times a frame's rays may go into those of one.
+constexpr std::uint64_t kPanoramaRays = 4;
+
+/// Pixels of a visibility buffer.
+struct Rectangle {
+    int left, top, width, height;
+};
+
+/// Around tiles, of which there is at least one.
+Rectangle bounds_of(std::span<const TileRequest> tiles) {
+    int left = tiles[0].x, top = tiles[0].y, right = left, bottom = top;
+    for (const TileRequest& tile : tiles) {
+        left = std::min(left, int(tile.x));
+        top = std::min(top, int(tile.y));
+        right = std::max(right, int(tile.x));
+        bottom = std::max(bottom, int(tile.y));
+    }
+    return {left, top, right + kTileSize - left, bottom + kTileSize - top};
+}
+
+/// A part of a view as a view of its own.
+PinholeView window(const PinholeView& view, const Rectangle& part) {
+    PinholeView shown = view;
+    shown.width = part.width;
+    shown.height = part.height;
+    shown.u_first += float(part.left) * view.u_step;
+    shown.v_first += float(part.top) * view.v_step;
+    return shown;
+}
+
+/// Makes room for an image in which nobody has asked for anything yet; where nobody looks it is left as it was.
+void fit(farfield::VisibilityBuffer& visibility, shading::Image& image, int width, int height,
+         std::span<const TileRequest> looked_at) {
     visibility.width = image.width = width;
     visibility.height = image.height = height;
     visibility.stride = image.stride = (width + kTileSize - 1) / kTileSize * kTileSize;
     visibility.rows = (height + kTileSize - 1) / kTileSize * kTileSize;
-    std::fill_n(image.pixels.begin(), std::size_t(image.stride) * std::size_t(visibility.rows),
-                shading::kReflectsUnknown);
+    for (const TileRequest& tile : looked_at)
+        for (int row = 0; row < kTileSize; ++row)
+            std::fill_n(image.pixels.begin() + std::ptrdiff_t(visibility.index(tile.x, tile.y + row)), kTileSize,
+                        shading::kReflectsUnknown);
 }
 
 /// Tells pixels that left the world from surfaces, where shading has made all opaque.
@@ -40,83 +74,139 @@ void mark_sky(std::span<const TileRequest> tiles, const farfield::VisibilityBuff
             }
 }
 
+/// Where few pixels ask, their reflections are no finer than those of a whole frame: a quarter of its rays at least, as
+/// they may all be mirrors.
+std::uint64_t rays_for(const FramePlan& plan, std::span<const TileRequest> tiles) {
+    constexpr std::uint64_t kLeastShare = 4;
+    std::uint64_t asked = 0;
+    for (const TileRequest& tile : tiles)
+        for (const std::uint16_t row : tile.rows) asked += std::uint64_t(std::popcount(row));
+    const auto all = std::uint64_t(plan.view.width) * std::uint64_t(plan.view.height);
+    return std::max(plan.reflection_rays * asked / all, plan.reflection_rays / kLeastShare);
+}
+
 /// Finds the mirrors at the finest step that the rays allow.
-std::uint64_t find_mirrors(const FramePlan& plan, const effects::MirrorInput& input, ReflectionWork& work) {
+std::uint64_t find_mirrors(const effects::MirrorInput& input, std::uint64_t rays, ReflectionWork& work) {
     std::uint64_t pixels = work.mirrors.find(input, work.step);
-    while (pixels > plan.reflection_rays && work.step < kCoarsest) {
+    while (pixels > rays && work.step < kCoarsest) {
         work.step *= 2;
         pixels = work.mirrors.find(input, work.step);
     }
     return pixels;
 }
 
-std::uint64_t cast_mirrors(const FramePlan& plan, ReflectionWork& work) {
+std::uint64_t cast_mirrors(const effects::MirrorInput& input, ReflectionWork& work) {
     work.requests.clear();
     for (std::size_t i = 0; i < work.mirrors.found().size(); ++i) {
         const farfield::MirrorPlane& plane = work.mirrors.found()[i].plane;
-        const PinholeView view = farfield::mirrored_view(plan.view, plane, work.shown.step);
+        const PinholeView view = farfield::mirrored_view(input.view, plane, work.shown.step);
         work.requests.push_back({view, farfield::mirror_before(view, plane, kLiftM), work.mirrors.tiles(i)});
     }
     std::uint64_t rays = work.caster.cast(work.requests, work.visibility).rays;
-    if (plan.dynamic.empty()) return rays;
+    if (input.dynamic.empty()) return rays;
     for (const auto& [view, before, tiles] : work.requests)
-        rays += work.moving.draw(view, plan.dynamic, tiles, work.visibility, work.covered, &before).rays;
+        rays += work.moving.draw(view, input.dynamic, tiles, work.visibility, work.covered, &before).rays;
     return rays;
 }
 
-void shade_mirror(const FramePlan& plan, const Tools& tools, const PinholeView& view,
-                  std::span<const TileRequest> tiles, FrameHistory& history, ReflectionWork& work, FrameStats& stats) {
+void shade_mirror(const FramePlan& plan, const Tools& tools, std::span<const scene::Instance> dynamic,
+                  const PinholeView& view, std::span<const TileRequest> tiles, FrameHistory& history,
+                  ReflectionWork& work, FrameStats& stats) {
     const std::uint8_t* const sun_seen =
-        find_sun_in_mirror(plan, tools.scene, view, work.visibility, tiles, work.sun_seen, history.sun, stats);
+        find_sun_in_mirror(plan, tools.scene, view, dynamic, work.visibility, tiles, work.sun_seen, history.sun, stats);
     shading::ShadeSettings settings = shade_settings(plan, tools, view, sun_seen, history, stats);
     settings.plain_srgb = true;  // what looks it up is shown by film itself
-    shading::shade_tiles(tools.scene, plan.dynamic, view, work.visibility, tiles, settings, work.image);
+    shading::shade_tiles(tools.scene, dynamic, view, work.visibility, tiles, settings, work.image);
     mark_sky(tiles, work.visibility, work.image);
+}
+
+/// Casts and shades what the mirrors of a view show.
+/// @return nullptr where there are none
+const shading::Reflections* show(const FramePlan& plan, const Tools& tools, const effects::MirrorInput& input,
+                                 FrameHistory& history, ReflectionWork& work, FrameStats& stats) {
+    work.shown.step = work.step;
+    work.shown.left = input.left;
+    work.shown.top = input.top;
+    work.shown.within_m = plan.reflections_within_m;
+    if (work.mirrors.found().empty()) return nullptr;
+    const int width = (input.view.width + work.step - 1) / work.step;
+    const int height = (input.view.height + work.step - 1) / work.step;
+    if (width < 2 || height < 2) return nullptr;
+    fit(work.visibility, work.image, width, height, work.mirrors.looked_at());
+    work.covered.reset(width, height);
+    const std::uint64_t rays = cast_mirrors(input, work);
+    stats.rays += rays;
+    stats.work(effects::EffectId::reflections).rays += rays;
+    for (const farfield::MirrorRequest& mirror : work.requests)
+        shade_mirror(plan, tools, input.dynamic, mirror.view, mirror.tiles, history, work, stats);
+    work.shown.depth = work.visibility.depth.data();
+    return &work.shown;
 }
 
 }  // namespace
 
-ReflectionWork::ReflectionWork(const scene::StaticScene& scene, int width, int height)
-    : mirrors(width, height), caster(scene), moving(scene), width_(width), height_(height) {
-    visibility.resize(width, height);
-    image.resize(width, height);
-    covered.reset(width, height);
-    moving.reserve(width, height);
+ReflectionWork::ReflectionWork(const scene::StaticScene& scene, int width, int height, int least_step)
+    : mirrors((width + least_step - 1) / least_step, (height + least_step - 1) / least_step),
+      caster(scene),
+      moving(scene),
+      step(std::max(least_step, kFirstStep)),
+      width_(width),
+      height_(height) {
+    const int most_x = (width + least_step - 1) / least_step, most_y = (height + least_step - 1) / least_step;
+    visibility.resize(most_x, most_y);
+    image.resize(most_x, most_y);
+    covered.reset(most_x, most_y);
+    moving.reserve(most_x, most_y);
     requests.reserve(effects::Mirrors::kMost);
     sun_seen = ZeroPageVector<std::uint8_t>(visibility.depth.size());
 }
 
-const shading::Reflections* find_reflections(const FramePlan& plan, const Tools& tools, FrameHistory& history,
+const shading::Reflections* find_reflections(const FramePlan& plan, const Tools& tools,
+                                             std::span<const TileRequest> tiles, FrameHistory& history,
                                              FrameStats& stats) {
     if (!plan.effects.is_active(effects::EffectId::reflections)) return nullptr;
     const TimedPass timed(stats, Pass::reflect);
     const TimedEffect timed_effect(stats, effects::EffectId::reflections);
     if (!history.reflections)
-        history.reflections = std::make_unique<ReflectionWork>(tools.scene, plan.image_width, plan.image_height);
+        history.reflections = std::make_unique<ReflectionWork>(tools.scene, plan.image_width, plan.image_height, 1);
     ReflectionWork& work = *history.reflections;
-    const std::uint64_t pixels = find_mirrors(plan,
-                                              {.scene = tools.scene,
-                                               .dynamic = plan.dynamic,
-                                               .view = plan.view,
-                                               .visibility = history.visibility,
-                                               .within_m = plan.reflections_within_m},
-                                              work);
-    work.shown.step = work.step;
-    work.shown.within_m = plan.reflections_within_m;
-    if (4.0 * double(pixels) < kRoom * double(plan.reflection_rays)) work.step = std::max(1, work.step / 2);
-    if (work.mirrors.found().empty()) return nullptr;
-    const int width = (plan.view.width + work.shown.step - 1) / work.shown.step;
-    const int height = (plan.view.height + work.shown.step - 1) / work.shown.step;
-    if (width < 2 || height < 2) return nullptr;
-    fit(work.visibility, work.image, width, height);
-    work.covered.reset(width, height);
-    const std::uint64_t rays = cast_mirrors(plan, work);
-    stats.rays += rays;
-    stats.work(effects::EffectId::reflections).rays += rays;
-    for (const farfield::MirrorRequest& mirror : work.requests)
-        shade_mirror(plan, tools, mirror.view, mirror.tiles, history, work, stats);
-    work.shown.depth = work.visibility.depth.data();
-    return &work.shown;
+    const effects::MirrorInput input{.scene = tools.scene,
+                                     .dynamic = plan.dynamic,
+                                     .view = plan.view,
+                                     .visibility = history.visibility,
+                                     .tiles = tiles,
+                                     .within_m = plan.reflections_within_m};
+    const std::uint64_t rays = rays_for(plan, tiles);
+    const std::uint64_t pixels = find_mirrors(input, rays, work);
+    const shading::Reflections* const shown = show(plan, tools, input, history, work, stats);
+    if (4.0 * double(pixels) < kRoom * double(rays)) work.step = std::max(1, work.step / 2);
+    return shown;
+}
+
+const shading::Reflections* find_reflections_of_panorama(const FramePlan& plan, const Tools& tools,
+                                                         const PinholeView& view, std::span<const TileRequest> texels,
+                                                         FrameHistory& history, FrameStats& stats) {
+    if (!plan.effects.is_active(effects::EffectId::reflections) || texels.empty()) return nullptr;
+    const TimedPass timed(stats, Pass::reflect);
+    const TimedEffect timed_effect(stats, effects::EffectId::reflections);
+    std::unique_ptr<ReflectionWork>& made = history.panorama_reflections;
+    // A face is as wide as it is high; the view has all six.
+    if (!made) made = std::make_unique<ReflectionWork>(tools.scene, view.width, view.width, ReflectionWork::kFirstStep);
+    ReflectionWork& work = *made;
+    work.step = ReflectionWork::kFirstStep;
+    const Rectangle part = bounds_of(texels);
+    const PinholeView shown = window(view, part);
+    const effects::MirrorInput input{.scene = tools.scene,
+                                     .dynamic = {},
+                                     .view = shown,
+                                     .visibility = history.panorama->map(),
+                                     .left = part.left,
+                                     .top = part.top,
+                                     .tiles = texels,
+                                     .within_m = plan.reflections_within_m,
+                                     .water = false};
+    find_mirrors(input, kPanoramaRays * plan.reflection_rays, work);
+    return show(plan, tools, input, history, work, stats);
 }
 
 }  // namespace ff::frame

@@ -3,6 +3,8 @@
 
 #include <cstdint>
 #include <memory>
+#include <span>
+#include <vector>
 
 #include "engine/core/zero_pages.h"
 #include "engine/effects/mirrors.h"
@@ -21,8 +23,8 @@ struct Tools;
 struct ReflectionWork {
     static constexpr int kFirstStep = 2;
 
-    /// For frames of one size.
-    ReflectionWork(const scene::StaticScene& scene, int width, int height);
+    /// For views of one size, of which at least so many pixels along a side share a ray.
+    ReflectionWork(const scene::StaticScene& scene, int width, int height, int least_step);
     [[nodiscard]] bool fits(int width, int height) const { return width == width_ && height == height_; }
 
     effects::Mirrors mirrors;
@@ -41,9 +43,19 @@ struct ReflectionWork {
 };
 
 /// Finds what the mirrors of a frame show of the world.
-/// @param visibility  of plan.view, every pixel answered
+/// @param tiles  the pixels of plan.view that are going to be shaded, answered in history.visibility
 /// @return for ShadeSettings::reflections, good until the next call; nullptr where the plan has no reflections
-const shading::Reflections* find_reflections(const FramePlan& plan, const Tools& tools, FrameHistory& history,
+const shading::Reflections* find_reflections(const FramePlan& plan, const Tools& tools,
+                                             std::span<const farfield::TileRequest> tiles, FrameHistory& history,
                                              FrameStats& stats);
+
+/// Likewise what glass and metal show of all that stands still, for texels that the panorama fills: who rests sees the
+/// same in them as long as it stays filled. A texel's parallax bounds theirs, for what is mirrored is farther away.
+/// Water is left out, for it is never at rest.
+/// @param view    of the face that the texels lie on
+const shading::Reflections* find_reflections_of_panorama(const FramePlan& plan, const Tools& tools,
+                                                         const PinholeView& view,
+                                                         std::span<const farfield::TileRequest> texels,
+                                                         FrameHistory& history, FrameStats& stats);
 
 }  // namespace ff::frame

@@ -98,7 +98,8 @@ void Renderer::reset() {
 
 void Renderer::region_changed(const DBox3& box) {
     const DBox3 touched = history_.sun ? with_shadow(tools_.scene, box) : box;
-    if (history_.panorama && history_.panorama->invalidate(touched) > 0) history_.panorama_is_full = false;
+    if (history_.panorama && history_.panorama->invalidate(touched, history_.panorama_reflections != nullptr) > 0)
+        history_.panorama_is_full = false;
     if (history_.reprojection) history_.reprojection->invalidate(box);
     if (history_.sun) history_.sun->history.clear();
     if (history_.shelter) history_.shelter->clear();

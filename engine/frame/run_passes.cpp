@@ -11,6 +11,7 @@
 #include "engine/farfield/tile_regroup.h"
 #include "engine/frame/known_frame.h"
 #include "engine/frame/reprojected_frame.h"
+#include "engine/frame/restless_mirrors.h"
 #include "engine/frame/shade_settings.h"
 #include "engine/frame/timed_pass.h"
 #include "engine/nearfield/near_renderer.h"
@@ -71,6 +72,20 @@ void collect_requests(std::span<const TileRequest> all, std::span<const PixelMas
     }
 }
 
+/// The pixels of a mask; tiles without any are left out.
+void collect_requests(const PixelMask& mask, std::vector<TileRequest>& requests) {
+    requests.clear();
+    for (std::size_t t = 0; t < mask.tiles.size(); ++t) {
+        const farfield::TileMask& tile = mask.tiles[t];
+        if (std::all_of(std::begin(tile.rows), std::end(tile.rows), [](std::uint16_t row) { return row == 0; }))
+            continue;
+        TileRequest& request = requests.emplace_back();
+        request.x = std::uint16_t(int(t % std::size_t(mask.tiles_x)) * kTileSize);
+        request.y = std::uint16_t(int(t / std::size_t(mask.tiles_x)) * kTileSize);
+        std::copy(std::begin(tile.rows), std::end(tile.rows), request.rows);
+    }
+}
+
 farfield::TileMask& tile_of(PixelMask& mask, const TileRequest& request) {
     return mask.tiles[std::size_t(request.y / kTileSize) * std::size_t(mask.tiles_x) + request.x / kTileSize];
 }
@@ -99,36 +114,23 @@ void take_out_shaded(const FramePlan& plan, const scene::StaticScene& scene,
     }
 }
 
-bool has_mirrors(const FramePlan& plan) {
-    return plan.effects.is_active(effects::EffectId::water) || plan.effects.is_active(effects::EffectId::reflections);
-}
-
 bool falls(const FramePlan& plan) {
     return plan.effects.is_active(effects::EffectId::rain) || plan.effects.is_active(effects::EffectId::snow);
 }
 
-/// Takes pixels of mirrors out of a mask of finished colours: waves move, and what is mirrored may.
-void take_out_mirrors(const FramePlan& plan, const scene::StaticScene& scene,
-                      const farfield::VisibilityBuffer& visibility, PixelMask& coloured) {
-    constexpr std::size_t kTilesPerTask = 64;
-    const float glass_within_m =
-        plan.effects.is_active(effects::EffectId::reflections) ? plan.reflections_within_m : 0.0f;
-    parallel_ranges(coloured.tiles.size(), kTilesPerTask, [&](std::size_t begin, std::size_t end) {
-        effects::MirrorTest kind_of(scene, plan.dynamic);
-        for (std::size_t t = begin; t < end; ++t) {
-            const int x0 = int(t % std::size_t(coloured.tiles_x)) * kTileSize;
-            const int y0 = int(t / std::size_t(coloured.tiles_x)) * kTileSize;
-            for (int row = 0; row < kTileSize; ++row) {
-                unsigned bits = coloured.tiles[t].rows[row];
-                const std::size_t first = visibility.index(x0, y0 + row);
-                for (unsigned left = bits; left != 0; left &= left - 1) {
-                    const std::size_t at = first + std::size_t(std::countr_zero(left));
-                    if (effects::mirrors_within(kind_of, visibility, at, glass_within_m)) bits &= ~(left & -left);
-                }
-                coloured.tiles[t].rows[row] = std::uint16_t(bits);
-            }
-        }
-    });
+/// Cast pixels of mirrors that are at rest show what the texels around do: reflections for a pixel here and there would
+/// cost more than those of all texels did.
+void show_resting_mirrors(const FramePlan& plan, const scene::StaticScene& scene, FrameHistory& history,
+                          shading::Image& image) {
+    PixelMask& mirrors = history.answered;
+    mirrors = history.sources.cast;
+    keep_resting_mirrors(plan, scene, history, mirrors);
+    PixelMask& left = history.left;
+    left = mirrors;
+    history.panorama->known_colors(history.visibility, image.pixels.data(), image.stride, left);
+    remove(left, mirrors);
+    for (std::size_t t = 0; t < mirrors.tiles.size(); ++t)
+        for (int row = 0; row < kTileSize; ++row) history.coloured.tiles[t].rows[row] |= mirrors.tiles[t].rows[row];
 }
 
 /// OpenGL ran out of something in the middle of a frame: the frame goes on without it.
@@ -232,10 +234,12 @@ void begin_panorama(const FramePlan& plan, FrameHistory& history) {
         history.panorama_marks.reserve(tiles_side * tiles_side);
     }
     const scene::Environment& light = plan.environment;
+    const bool reflects = plan.effects[effects::EffectId::reflections].state != effects::State::off;
     const PanoramaLook look{.blend_within_m = plan.view.blend_within_m,
                             .sun_shadows = plan.sun_shadows,
                             .fog_density_per_m = light.fog_density_per_m,
                             .lamps_within_m = plan.lamps_within_m,
+                            .reflections_within_m = reflects ? plan.reflections_within_m : 0.0f,
                             .atmosphere = light.atmosphere,
                             .weather = light.weather};
     if (history.panorama_look != look || !is_near(history.panorama_light.oldest_sun, light.to_sun)) {
@@ -279,11 +283,13 @@ void fill_chosen(const FramePlan& plan, const Tools& tools, FrameHistory& histor
         }
         const std::uint8_t* const sun_seen =
             find_sun_of_panorama(plan, tools.scene, view, texels, panorama, history.sun, stats);
+        const shading::Reflections* const reflections =
+            find_reflections_of_panorama(plan, tools, view, texels, history, stats);
         {
             const TimedPass timed(stats, Pass::shade);
-            stats.shaded_pixels += shading::shade_tiles(tools.scene, {}, view, panorama.map(), texels,
-                                                        shade_settings(plan, tools, view, sun_seen, history, stats),
-                                                        history.panorama_colors);
+            stats.shaded_pixels += shading::shade_tiles(
+                tools.scene, {}, view, panorama.map(), texels,
+                shade_settings(plan, tools, view, sun_seen, history, stats, reflections), history.panorama_colors);
         }
         const TimedPass timed(stats, Pass::store);
         mark_mirrors(plan, tools.scene, panorama.map(), texels, history.panorama_marks);
@@ -357,9 +363,9 @@ void look_up_panorama(const FramePlan& plan, const Tools& tools, const farfield:
     const bool wants_all = plan.keep_ids || (plan.sun_shadows && !plan.dynamic.empty());
     const bool wants_depths =
         wants_all || !plan.dynamic.empty() || falls(plan) || plan.effects.is_active(effects::EffectId::transparency);
-    const PanoramaNames names = wants_all           ? PanoramaNames::all
-                                : has_mirrors(plan) ? PanoramaNames::marked
-                                                    : PanoramaNames::none;
+    const PanoramaNames names = wants_all                             ? PanoramaNames::all
+                                : has_restless_mirrors(plan, history) ? PanoramaNames::marked
+                                                                      : PanoramaNames::none;
     const bool wants_visibility = wants_depths || names != PanoramaNames::none;
     const farfield::PanoramaTarget target{.visibility = wants_visibility ? &history.visibility : nullptr,
                                           .colors = image.pixels.data(),
@@ -402,6 +408,8 @@ void draw_surfaces(const FramePlan& plan, const Tools& tools, FrameHistory& hist
                    FrameStats& stats) {
     farfield::VisibilityBuffer& visibility = history.visibility;
     SourceMasks& sources = history.sources;
+
+    find_mirrored(plan, history);
 
     // Near field: what is close enough that triangles are cheaper than pixels.
     if (plan.rasterise) {
@@ -483,18 +491,20 @@ void draw_surfaces(const FramePlan& plan, const Tools& tools, FrameHistory& hist
         PixelMask& coloured = history.coloured;
         coloured = sources.panorama;
         remove(sources.verified, coloured);
+        if (plan.look_up_panorama && plan.effects.is_active(effects::EffectId::reflections))
+            show_resting_mirrors(plan, tools.scene, history, image);
         if (plan.sun_shadows && !plan.dynamic.empty()) {
             bound_moving(plan.dynamic, history.moving);
             take_out_shaded(plan, tools.scene, history.moving, history.all_tiles, visibility, coloured);
         }
-        if (has_mirrors(plan)) take_out_mirrors(plan, tools.scene, visibility, coloured);
+        if (has_restless_mirrors(plan, history)) take_out_restless_mirrors(plan, tools.scene, history, coloured);
         const PixelMask* const done[] = {&coloured};
         collect_requests(history.all_tiles, done, history.to_shade);
     }
     const std::uint8_t* const sun_seen =
         find_sun(plan, tools.scene, visibility, history.to_shade,
                  plan.look_up_panorama ? history.panorama.get() : nullptr, history.sun, stats);
-    const shading::Reflections* const reflections = find_reflections(plan, tools, history, stats);
+    const shading::Reflections* const reflections = find_reflections(plan, tools, history.to_shade, history, stats);
     {
         const TimedPass timed(stats, Pass::shade);
         stats.shaded_pixels +=
@@ -503,8 +513,11 @@ void draw_surfaces(const FramePlan& plan, const Tools& tools, FrameHistory& hist
     }
     if (plan.store_panorama) {
         const TimedPass timed(stats, Pass::store);
-        const PixelMask* const others[] = {&sources.near_field, &sources.sky, &sources.panorama, &sources.dynamic};
-        collect_requests(history.all_tiles, others, history.to_store);
+        // But mirrors that may show what moves: it would stay in them.
+        PixelMask& steady = history.coloured;
+        steady = sources.cast;
+        if (has_restless_mirrors(plan, history)) take_out_restless_mirrors(plan, tools.scene, history, steady);
+        collect_requests(steady, history.to_store);
         history.panorama->store(plan.view, history.to_store, visibility, image.pixels, image.stride, sun_seen);
     }
 }

@@ -118,13 +118,14 @@ const std::uint8_t* find_sun_of_panorama(const FramePlan& plan, const scene::Sta
 }
 
 const std::uint8_t* find_sun_in_mirror(const FramePlan& plan, const scene::StaticScene& scene, const PinholeView& view,
+                                       std::span<const scene::Instance> dynamic,
                                        const farfield::VisibilityBuffer& visibility,
                                        std::span<const farfield::TileRequest> tiles, ZeroPageVector<std::uint8_t>& seen,
                                        std::unique_ptr<SunLight>& sun, FrameStats& stats) {
     if (!plan.sun_shadows) return nullptr;
     SunLight& light = made(scene, sun);
     std::uint8_t* const plane = fit(visibility, seen);
-    count_rays(light.rays.cast(view, visibility, tiles, plan.dynamic, scene.environment.to_sun, plane).rays, stats);
+    count_rays(light.rays.cast(view, visibility, tiles, dynamic, scene.environment.to_sun, plane).rays, stats);
     return plane;
 }
 

@@ -46,9 +46,11 @@ const std::uint8_t* find_sun_of_panorama(const FramePlan& plan, const scene::Sta
                                          FrameStats& stats);
 
 /// Likewise for what a mirror shows, of which nothing is known either.
-/// @param view  of the eye's image behind the mirror
-/// @param seen  room for visibility
+/// @param view     of the eye's image behind the mirror
+/// @param dynamic  what moves and casts shadows
+/// @param seen     room for visibility
 const std::uint8_t* find_sun_in_mirror(const FramePlan& plan, const scene::StaticScene& scene, const PinholeView& view,
+                                       std::span<const scene::Instance> dynamic,
                                        const farfield::VisibilityBuffer& visibility,
                                        std::span<const farfield::TileRequest> tiles, ZeroPageVector<std::uint8_t>& seen,
                                        std::unique_ptr<SunLight>& sun, FrameStats& stats);

@@ -25,6 +25,7 @@ inline constexpr float kLeastReflectance = 0.05f, kFullReflectance = 0.10f;
 
 struct Reflections {
     const Image& image;     ///< at least 2 x 2
+    int left = 0, top = 0;  ///< pixel of the view on whose corner the image's first has its own; multiples of step
     const float* depth;     ///< as the image's pixels: along the view's rays, by way of the mirror; +inf for sky
     int step = 1;           ///< pixels of the view along a side of one of these
     float within_m = 0.0f;  ///< depth at which mirrors but water show nothing any more; from half of it on they fade

@@ -310,10 +310,12 @@ Reflected find_reflected(const Reflections& reflections, const PinholeView& view
     if (fades) share *= clamp01(2.0 - 2.0 * depth / reflections.within_m);
     if (!(share > 0.0)) return {};
     const DMat3 axes(view.world_from_camera);
+    const DVec2 first = DVec2(reflections.left, reflections.top) / double(reflections.step) + 0.5;
     const auto place_of = [&](const DVec3& way, double least_ahead) {
         const double ahead = std::max(-glm::dot(way, axes[2]), least_ahead);
-        return DVec2((glm::dot(way, axes[0]) / ahead - view.u_first) / (double(view.u_step) * reflections.step) - 0.5,
-                     (glm::dot(way, axes[1]) / ahead - view.v_first) / (double(view.v_step) * reflections.step) - 0.5);
+        return DVec2((glm::dot(way, axes[0]) / ahead - view.u_first) / (double(view.u_step) * reflections.step),
+                     (glm::dot(way, axes[1]) / ahead - view.v_first) / (double(view.v_step) * reflections.step)) -
+               first;
     };
     const DVec2 at = place_of(direction, 0.0);
     ReflectionSample sample = sample_reflections(reflections, at.x, at.y);

@@ -83,8 +83,10 @@ HWY_INLINE Reflected find_reflected(const ShadeFrame& frame, VF u, VF v, const V
 
     const float per_step = 1.0f / float(reflections.step);
     const VF scale_x = splat(per_step / view.u_step), scale_y = splat(per_step / view.v_step);
-    const VF x = hn::MulAdd(hn::Sub(u, splat(view.u_first)), scale_x, splat(-0.5f));
-    const VF y = hn::MulAdd(hn::Sub(v, splat(view.v_first)), scale_y, splat(-0.5f));
+    const float first_x = -0.5f - float(reflections.left) * per_step;
+    const float first_y = -0.5f - float(reflections.top) * per_step;
+    const VF x = hn::MulAdd(hn::Sub(u, splat(view.u_first)), scale_x, splat(first_x));
+    const VF y = hn::MulAdd(hn::Sub(v, splat(view.v_first)), scale_y, splat(first_y));
     ReflectionSample sample = sample_reflections(reflections, x, y);
     if constexpr (kBent) {
         // The bent way's direction, mirrored back by the flat mirror: where the eye would look for it.

@@ -82,6 +82,101 @@ TEST(reflections, fewer_rays_give_nearly_the_same_picture) {
     }
 }
 
+/// A polished wall before the viewer, and a red one behind him that it shows.
+struct MirrorWorld {
+    MirrorWorld() {
+        scene::Material polished = test::plain_material(), wall = test::plain_material();
+        polished.base_color = {0.8f, 0.8f, 0.8f, 1.0f};
+        polished.metallic = 1.0f;
+        polished.roughness = 0.05f;
+        polished.flags = scene::kMaterialSpecular | scene::kMaterialMirror;
+        wall.base_color = {0.7f, 0.03f, 0.03f, 1.0f};
+        data.materials = {test::plain_material(), polished, wall};
+        scene::MeshSource mesh, board;
+        test::append_quad(mesh, {-60, 0, 60}, {60, 0, 60}, {60, 0, -60}, {-60, 0, -60}, 0);
+        test::append_quad(mesh, {-8, 0.5, -12}, {8, 0.5, -12}, {8, 7, -12}, {-8, 7, -12}, 1);
+        test::append_quad(mesh, {6, 0, 15}, {-6, 0, 15}, {-6, 3, 15}, {6, 3, 15}, 2);
+        test::append_quad(board, {2, 0, 0}, {-2, 0, 0}, {-2, 5, 0}, {2, 5, 0}, 2);
+        data.add_instance(data.add_mesh(scene::prepare_mesh(std::move(mesh), data.materials)), WorldPos(0.0),
+                          Mat3(1.0f), 0);
+        data.add_instance(data.add_mesh(scene::prepare_mesh(std::move(board), data.materials)),
+                          WorldPos(0.0, 0.0, 200.0), Mat3(1.0f), 0);
+        data.finish(64);
+        scene = data.view();
+    }
+    /// A red board that the mirror may show, anywhere.
+    [[nodiscard]] scene::Instance board_at(double x, double z) const {
+        scene::Instance board = scene.instances[1];
+        const DVec3 to = DVec3(x, 0.0, z) - board.position;
+        board.position += to;
+        board.bounds = {board.bounds.low + to, board.bounds.high + to};
+        return board;
+    }
+    scene::SceneData data;
+    scene::StaticScene scene;
+};
+
+Camera turned(int frame) {
+    return {.position = {0.0, 2.0, 0.0}, .yaw = 0.02 * frame};
+}
+
+double redness(const shading::Image& image, int x0, int y0, int x1, int y1) {
+    double sum = 0.0;
+    for (int y = y0; y < y1; ++y)
+        for (int x = x0; x < x1; ++x) sum += channel(image, x, y, 0) - channel(image, x, y, 1);
+    return sum / ((x1 - x0) * (y1 - y0));
+}
+
+TEST(reflections, who_turns_sees_mirrors_that_were_shaded_once) {
+    MirrorWorld world;
+    Casters casters(world.scene);
+    Renderer renderer(world.scene, casters, nullptr, kWidth, kHeight);
+    Renderer fresh(world.scene, casters, nullptr, kWidth, kHeight);
+    Renderer dull(world.scene, casters, nullptr, kWidth, kHeight);
+    shading::Image image, reference, without;
+    std::uint64_t shaded = 0, shaded_without = 0;
+    for (int f = 0; f < 12; ++f) {
+        shaded += renderer.draw(turned(f), {}, {.fixed_near_m = 0.0}, image).shaded_pixels;
+        shaded_without += dull.draw(turned(f), {}, {.fixed_near_m = 0.0, .reflection_rays = 0}, without).shaded_pixels;
+        fresh.draw(turned(f), {}, {.mode = Mode::raycast}, reference);
+        EXPECT_GE(shading::compare_images(image, reference, 0).psnr_db, 34.0) << f;
+    }
+    // The red wall is there, and hardly a pixel more was shaded for it.
+    EXPECT_GT(redness(image, 100, 117, 130, 125), redness(without, 100, 117, 130, 125) + 30.0);
+    EXPECT_LT(shaded, shaded_without + shaded_without / 20);
+}
+
+TEST(reflections, what_moves_in_a_mirror_is_followed_and_leaves_nothing_behind) {
+    MirrorWorld world;
+    Casters casters(world.scene);
+    Renderer renderer(world.scene, casters, nullptr, kWidth, kHeight);
+    Renderer fresh(world.scene, casters, nullptr, kWidth, kHeight);
+    shading::Image image, reference, without;
+    for (int f = 0; f < 20; ++f) {
+        const scene::Instance board = world.board_at(-5.0 + 0.5 * f, 8.0);
+        renderer.draw(turned(0), std::span(&board, 1), {.fixed_near_m = 0.0}, image);
+        fresh.draw(turned(0), std::span(&board, 1), {.mode = Mode::raycast}, reference);
+        EXPECT_GE(shading::compare_images(image, reference, 0).psnr_db, 34.0) << f;
+    }
+    renderer.draw(turned(0), {}, {.fixed_near_m = 0.0}, image);
+    fresh.draw(turned(0), {}, {.mode = Mode::raycast}, without);
+    EXPECT_LT(shading::compare_images(reference, without, 0).psnr_db, 34.0) << "it was to be seen";
+    EXPECT_GE(shading::compare_images(image, without, 0).psnr_db, 34.0);
+}
+
+TEST(reflections, mirrors_forget_what_has_changed_wherever_it_stands) {
+    MirrorWorld world;
+    Casters casters(world.scene);
+    Renderer renderer(world.scene, casters, nullptr, kWidth, kHeight);
+    shading::Image image;
+    for (int f = 0; f < 4; ++f) renderer.draw(turned(0), {}, {.fixed_near_m = 0.0}, image);
+    const double before = redness(image, 130, 117, 190, 127);
+    world.data.materials[2].base_color = {0.5f, 0.5f, 0.5f, 1.0f};
+    renderer.region_changed({DVec3(-6.0, 0.0, 14.9), DVec3(6.0, 3.0, 15.1)});
+    for (int f = 0; f < 2; ++f) renderer.draw(turned(0), {}, {.fixed_near_m = 0.0}, image);
+    EXPECT_LT(redness(image, 130, 117, 190, 127), before - 20.0);
+}
+
 TEST(reflections, the_number_of_workers_changes_nothing_nor_does_a_second_run) {
     LakeWorld world;
     std::vector<std::uint32_t> first;

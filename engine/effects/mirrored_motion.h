@@ -1,0 +1,43 @@
+#pragma once
+// Where mirrors may show what moves: only there is the colour that a mirror had in an earlier frame not trusted.
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "engine/effects/mirrors.h"
+#include "engine/farfield/moving_shadow.h"
+#include "engine/math/camera.h"
+#include "engine/scene/static_scene.h"
+
+namespace ff::effects {
+
+/// Keeps of `moving` what is large enough in view that a mirror may show it: none shows it nearer than it is.
+/// @param out  replaced
+void find_mirrored(const PinholeView& view, std::span<const farfield::MovingSphere> moving,
+                   std::vector<farfield::MovingSphere>& out);
+
+/// Asks about the pixels of one tile after the other.
+class MirroredMotion {
+  public:
+    /// @param moving  find_mirrored(), borrowed
+    MirroredMotion(const scene::StaticScene& scene, const PinholeView& view,
+                   std::span<const farfield::MovingSphere> moving)
+        : scene_(scene), view_(view), moving_(moving) {}
+
+    /// @param x, y  its first pixel
+    void begin_tile(int x, int y);
+
+    /// Whether the static triangle's mirror may show something that moves to a pixel of the tile. Never false where one
+    /// does.
+    [[nodiscard]] bool shows(std::uint32_t instance, std::uint32_t triangle) const;
+
+  private:
+    const scene::StaticScene& scene_;
+    const PinholeView& view_;
+    std::span<const farfield::MovingSphere> moving_;
+    DVec3 middle_{0.0};      ///< unit: of the cone round the tile's rays
+    double half_angle_ = 0;  ///< likewise, radians
+};
+
+}  // namespace ff::effects
