@@ -18,6 +18,7 @@ constexpr double kBlurPx = 20.0;
 void find_mirrored(const PinholeView& view, std::span<const MovingSphere> moving, std::vector<MovingSphere>& out) {
     constexpr double kLeastPx = 0.5;  // radius
     out.clear();
+    out.reserve(moving.size());
     for (const MovingSphere& sphere : moving) {
         const double distance = glm::length(sphere.center - view.position) - sphere.radius;
         if (sphere.radius > kLeastPx * double(view.pixel_angle()) * distance) out.push_back(sphere);

@@ -129,8 +129,10 @@ bool mirrors_within(MirrorTest& kind_of, const farfield::VisibilityBuffer& seen,
     return kind == MirrorKind::water || (kind == MirrorKind::glass && !is_far);
 }
 
-Mirrors::Mirrors(int width, int height) {
-    const auto tiles = std::size_t(tiles_along(width)) * std::size_t(tiles_along(height));
+Mirrors::Mirrors(int width, int height, int least_step) {
+    const auto reduced = [&](int pixels) { return std::size_t(tiles_along((pixels + least_step - 1) / least_step)); };
+    const std::size_t tiles = reduced(width) * reduced(height);
+    asked_.reserve(std::size_t(tiles_along(width)) * std::size_t(tiles_along(height)));
     const std::size_t pixels = tiles * std::size_t(kTileSize) * std::size_t(kTileSize);
     for (auto* names : {&instance_, &triangle_}) names->resize(pixels);
     for (auto* planes : {&plane_, &widened_}) planes->resize(pixels);

@@ -79,8 +79,8 @@ class Mirrors {
   public:
     static constexpr std::size_t kMost = 16;  ///< planes
 
-    /// For views up to this size, reduced.
-    Mirrors(int width, int height);
+    /// For views up to this size, of which at least so many pixels along a side are one.
+    Mirrors(int width, int height, int least_step);
 
     /// @param step  so many pixels of the view, along a side, are one: 1, 2, 4 or 8
     /// @return pixels of the reduced image that have to be cast

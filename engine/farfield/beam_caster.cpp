@@ -58,8 +58,21 @@ BeamRequest beam_request_of(const TileRequest& tile) {
     return request;
 }
 
+namespace {
+
+std::size_t squares_across(int pixels) {
+    return std::size_t(pixels + kBeamSize - 1) / std::size_t(kBeamSize);
+}
+
+}  // namespace
+
+void BeamRequests::reserve(int width, int height) {
+    const std::size_t squares = squares_across(width) * squares_across(height);
+    requests_.reserve(squares);
+    of_square_.reserve(squares);
+}
+
 std::span<const BeamRequest> BeamRequests::gather(const PinholeView& view, std::span<const TileRequest> tiles) {
-    const auto squares_across = [](int pixels) { return std::size_t(pixels + kBeamSize - 1) / std::size_t(kBeamSize); };
     const std::size_t columns = squares_across(view.width);
     of_square_.assign(columns * squares_across(view.height), 0);
     requests_.clear();

@@ -62,6 +62,8 @@ class BeamRequests {
   public:
     /// Requests beyond the view are left out. The result names `tiles` and holds until the next call.
     [[nodiscard]] std::span<const BeamRequest> gather(const PinholeView& view, std::span<const TileRequest> tiles);
+    /// Takes memory for views up to this size.
+    void reserve(int width, int height);
 
   private:
     std::vector<BeamRequest> requests_;

@@ -30,6 +30,13 @@ DepthPlane mirror_before(const PinholeView& mirrored, const MirrorPlane& plane, 
     return {float(normal.x * inverse), float(normal.y * inverse), float(-normal.z * inverse)};
 }
 
+void MirrorCaster::reserve(std::size_t mirrors, int width, int height) {
+    if (requests_.size() < mirrors) requests_.resize(mirrors);
+    for (beam::BeamRequests& requests : requests_) requests.reserve(width, height);
+    views_.reserve(mirrors);
+    beams_.reserve(mirrors * std::size_t(width / kTileSize + 1) * std::size_t(height / kTileSize + 1));
+}
+
 CastCost MirrorCaster::cast(std::span<const MirrorRequest> mirrors, VisibilityBuffer& out) {
     if (requests_.size() < mirrors.size()) requests_.resize(mirrors.size());
     views_.clear();

@@ -40,6 +40,9 @@ class MirrorCaster {
     /// @param scene  looked up anew in each cast; must outlive this
     explicit MirrorCaster(const scene::StaticScene& scene) : scene_(scene) {}
 
+    /// Takes memory for so many mirrors in views up to this size.
+    void reserve(std::size_t mirrors, int width, int height);
+
     /// As RayCaster::cast_tiles(), for all mirrors at once: many have but a few tiles.
     CastCost cast(std::span<const MirrorRequest> mirrors, VisibilityBuffer& out);
 

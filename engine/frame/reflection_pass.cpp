@@ -146,7 +146,7 @@ const shading::Reflections* show(const FramePlan& plan, const Tools& tools, cons
 }  // namespace
 
 ReflectionWork::ReflectionWork(const scene::StaticScene& scene, int width, int height, int least_step)
-    : mirrors((width + least_step - 1) / least_step, (height + least_step - 1) / least_step),
+    : mirrors(width, height, least_step),
       caster(scene),
       moving(scene),
       step(std::max(least_step, kFirstStep)),
@@ -158,6 +158,7 @@ ReflectionWork::ReflectionWork(const scene::StaticScene& scene, int width, int h
     covered.reset(most_x, most_y);
     moving.reserve(most_x, most_y);
     requests.reserve(effects::Mirrors::kMost);
+    caster.reserve(effects::Mirrors::kMost, most_x, most_y);
     sun_seen = ZeroPageVector<std::uint8_t>(visibility.depth.size());
 }
 
