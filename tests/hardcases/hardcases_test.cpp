@@ -4,11 +4,18 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <ostream>
 #include <string>
 
 #include "tests/hardcases/hard_case.h"
 
 namespace ff::hardcases {
+
+/// GoogleTest would list its bytes.
+static void PrintTo(const HardCase& hard_case, std::ostream* out) {
+    *out << hard_case.what;
+}
+
 namespace {
 
 constexpr std::uint32_t kSeed = 1;
