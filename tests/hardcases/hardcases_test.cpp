@@ -13,7 +13,7 @@ namespace ff::hardcases {
 
 /// GoogleTest would list its bytes.
 static void PrintTo(const HardCase& hard_case, std::ostream* out) {
-    *out << hard_case.what;
+    *out << hard_case.name;
 }
 
 namespace {
