@@ -65,17 +65,21 @@ endfunction()
 # optimised, tests need not be.
 set(FF_COLD_OPTIONS $<$<CONFIG:Release>:-O1> $<$<CONFIG:Debug>:-O0>)
 
-# ff_test(NAME SOURCES file... DEPS target... [TIMEOUT seconds] [LABELS label...])
-# A GoogleTest executable; every TEST in it becomes one CTest test.
+# ff_test(NAME SOURCES file... DEPS target... [TIMEOUT seconds] [LABELS label...] [HOT])
+# A GoogleTest executable; every TEST in it becomes one CTest test. HOT: its oracle searches, and is optimised, too.
 function(ff_test name)
-  cmake_parse_arguments(ARG "" "TIMEOUT" "SOURCES;DEPS;LABELS" ${ARGN})
+  cmake_parse_arguments(ARG "HOT" "TIMEOUT" "SOURCES;DEPS;LABELS" ${ARGN})
   if(NOT ARG_TIMEOUT)
     set(ARG_TIMEOUT 120)
   endif()
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE ${ARG_DEPS} GTest::gtest_main)
-  target_compile_options(${name} PRIVATE ${FF_WARNINGS} ${FF_COLD_OPTIONS})
-  ff_share_precompiled(${name} ff_test_headers)
+  if(ARG_HOT AND CMAKE_BUILD_TYPE STREQUAL Debug)
+    target_compile_options(${name} PRIVATE ${FF_WARNINGS})
+  else()
+    target_compile_options(${name} PRIVATE ${FF_WARNINGS} ${FF_COLD_OPTIONS})
+    ff_share_precompiled(${name} ff_test_headers)
+  endif()
   gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST PROPERTIES TIMEOUT ${ARG_TIMEOUT} LABELS "${ARG_LABELS}")
 endfunction()
 
