@@ -215,14 +215,11 @@ bool Mirrors::probe_tile(const MirrorInput& input, int step, std::uint32_t tile,
             if (place == 0) continue;
             const farfield::TileRequest& request = input.tiles[place - 1];
             if (looks_first && !may_mirror(input, request, kind_of)) continue;
-            unsigned all = 0xFFFFu, some = 0;
-            for (const std::uint16_t row : request.rows) {
-                all &= row;
-                some |= row;
-            }
-            if (all == 0) {
+            unsigned whole_columns = 0xFFFFu;
+            for (const std::uint16_t row : request.rows) whole_columns &= row;
+            if (whole_columns == 0) {
                 // Single pixels: each for itself, as the probes could miss it.
-                for (int j = 0; j < kTileSize && some != 0; ++j)
+                for (int j = 0; j < kTileSize; ++j)
                     for (unsigned bits = request.rows[j]; bits != 0; bits &= bits - 1) {
                         const int i = std::countr_zero(bits);
                         note(tx * side + i / step, ty * side + j / step,

@@ -60,7 +60,7 @@ struct MirrorInput {
     const PinholeView& view;
     const farfield::VisibilityBuffer& visibility;
     int left = 0, top = 0;  ///< pixel of the visibility buffer that is the view's first; multiples of kTileSize
-    /// The pixels that ask, by tiles of the visibility buffer, all of them in the view and answered.
+    /// The pixels that ask, by tiles of the visibility buffer, none twice; all of them in the view and answered.
     std::span<const farfield::TileRequest> tiles;
     float within_m = 120.0f;  ///< depth from which on mirrors but water show nothing
     bool water = true;        ///< whether water is asked for

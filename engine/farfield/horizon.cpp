@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "engine/core/check.h"
+#include "engine/core/jobs.h"
 #include "engine/farfield/horizon_azimuth.h"
 #include "engine/farfield/horizon_near.h"
 #include "engine/farfield/horizon_trace.h"
@@ -52,6 +53,10 @@ HorizonMap::HorizonMap(const HorizonSettings& settings) : settings_(settings) {
     traced_.assign(size, kInfinity);
     tangents_.assign(size, kInfinity);
     winner_.assign(size, kNoSquare);
+    for (Half& half : halves_) {
+        half.traced.reserve(size);
+        half.winner.reserve(size);
+    }
     settings_.near_distance_m = 0.0f;
     settings_.subsample = 0;
     set_quality(settings.near_distance_m, settings.subsample);
@@ -136,6 +141,38 @@ HorizonWedges HorizonMap::wedges(float near_distance) const {
             min_z_.data(), margin_of(columns), near_distance, 1.0f / near_distance};
 }
 
+template <class RaiseBy>
+void HorizonMap::raise_halves(RaiseBy&& raise_by, HorizonCost& cost) {
+    constexpr std::uint32_t kLeastColumns = 64;  // fewer are not worth a second walk from the root
+    if (cost.columns < kLeastColumns) return raise_by(traced_.data(), winner_.data(), cost);
+    const auto columns = std::size_t(settings_.columns / settings_.subsample);
+    const auto all = std::ptrdiff_t(columns + kPadding);
+    for (Half& half : halves_) {
+        half.traced.assign(traced_.begin(), traced_.begin() + all);
+        half.winner.assign(winner_.begin(), winner_.begin() + all);
+        half.cost = {};
+    }
+    // A column that is not wanted enters as +inf: each half leaves the other's columns out.
+    std::uint32_t wanted = 0;
+    for (std::size_t c = 0; c < columns; ++c)
+        if (traced_[c] != kInfinity) halves_[wanted++ < cost.columns / 2 ? 1 : 0].traced[c] = kInfinity;
+    parallel_ranges(halves_.size(), 1, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i)
+            raise_by(halves_[i].traced.data(), halves_[i].winner.data(), halves_[i].cost);
+    });
+    wanted = 0;
+    for (std::size_t c = 0; c < columns; ++c) {
+        if (traced_[c] == kInfinity) continue;
+        const Half& half = halves_[wanted++ < cost.columns / 2 ? 0 : 1];
+        traced_[c] = half.traced[c];
+        winner_[c] = half.winner[c];
+    }
+    for (const Half& half : halves_) {
+        cost.squares += half.cost.squares;
+        cost.boxes += half.cost.boxes;
+    }
+}
+
 HorizonCost HorizonMap::trace(const scene::StaticScene* scene, const scene::HeightGrid& grid, const WorldPos& eye,
                               ColumnRange wanted) {
     const int all = settings_.columns, step = settings_.subsample;
@@ -191,16 +228,18 @@ HorizonCost HorizonMap::trace(const scene::StaticScene* scene, const scene::Heig
         input.wedges = wedges(float((fine ? reach_m : near_m) / grid.square_m * (1.0 - 1e-6)));
         for (int c = input.wedges.columns; c < input.wedges.columns + kPadding; ++c)
             traced_[std::size_t(c)] = kInfinity;
-        if (fine) {
-            HorizonNearInput around{scene,
-                                    eye,
-                                    float(reach_m * (1.0 + 1e-5) + 1e-3),
-                                    wedges(settings_.near_distance_m * (1.0f - 1e-6f)),
-                                    border_x_.data(),
-                                    border_z_.data()};
-            cost.boxes = trace_horizon_near(around, traced_.data());
-        }
-        cost.squares = trace_horizon(input, traced_.data(), winner_.data());
+        const HorizonNearInput around{scene,
+                                      eye,
+                                      float(reach_m * (1.0 + 1e-5) + 1e-3),
+                                      wedges(settings_.near_distance_m * (1.0f - 1e-6f)),
+                                      border_x_.data(),
+                                      border_z_.data()};
+        raise_halves(
+            [&](float* tangents, std::uint32_t* winner, HorizonCost& part) {
+                if (fine) part.boxes += trace_horizon_near(around, tangents);
+                part.squares += trace_horizon(input, tangents, winner);
+            },
+            cost);
     }
 
     for (int c = 0; c < all; ++c) {

@@ -13,6 +13,7 @@
 //         \  wedge    | h |            one, where it lies below the eye). The column keeps the maximum.
 //          \          +---+
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -63,7 +64,8 @@ class HorizonMap {
     explicit HorizonMap(const HorizonSettings& settings = {});
 
     /// Makes the columns that `view` looks at (and a margin) valid for its position, tracing those that are not:
-    /// none while only the direction changes within what was traced, all of the view's once the eye moved.
+    /// none while only the direction changes within what was traced, all of the view's once the eye moved. By two
+    /// workers where there are many; their number changes nothing.
     HorizonCost update(const scene::StaticScene& scene, const PinholeView& view);
     /// Makes the given columns valid for an eye.
     HorizonCost update(const scene::StaticScene& scene, const WorldPos& eye, ColumnRange wanted);
@@ -88,6 +90,10 @@ class HorizonMap {
     HorizonCost trace(const scene::StaticScene* scene, const scene::HeightGrid& grid, const WorldPos& eye,
                       ColumnRange wanted);
     void make_wedges();
+    /// Raises traced_ by what `raise_by(tangents, winner, cost)` adds to them, half of the columns on each of two
+    /// workers.
+    template <class RaiseBy>
+    void raise_halves(RaiseBy&& raise_by, HorizonCost& cost);
 
     HorizonSettings settings_;
     WorldPos eye_{0.0};
@@ -102,6 +108,14 @@ class HorizonMap {
     std::vector<float> tangents_;             ///< one per column, padded
     std::vector<std::uint32_t> winner_;       ///< level-0 (or finest traced) square that made the traced column
     std::vector<float> border_x_, border_z_;  ///< [columns + 1]: unit directions between the traced columns
+
+    /// Scratch of a worker.
+    struct Half {
+        std::vector<float> traced;
+        std::vector<std::uint32_t> winner;
+        HorizonCost cost;
+    };
+    std::array<Half, 2> halves_;
 };
 
 /// Columns that the view's pixels fall in, and a margin of two to each side.

@@ -271,9 +271,9 @@ bool prime(const HorizonTraceInput& in, const std::uint32_t* guess, float* tange
     bool guessed = false;
     for (int c = 0; c < in.wedges.columns; ++c) {
         const std::uint32_t square = guess[c];
-        if (square == last || square == kNoSquare) continue;
+        const bool is_wanted = tangents[c] != std::numeric_limits<float>::infinity();
+        if (!is_wanted || square == last || square == kNoSquare) continue;
         last = square;
-        if (tangents[c] == std::numeric_limits<float>::infinity()) continue;  // not wanted
         const int x = int(square & mask), z = int(square >> in.size_log2);
         if (is_taken_whole(in, x, z))
             distant_squares.add(x >> 1, z >> 1);

@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "engine/core/jobs.h"
 #include "engine/farfield/horizon.h"
 #include "tests/farfield/horizon_worlds.h"
 #include "tests/support/worlds.h"
@@ -11,6 +12,8 @@ namespace {
 
 using namespace ff;
 using farfield::HorizonMap;
+
+const WorkerLimit kOneCore(1);
 
 const test::OwnedHeightGrid& valley() {
     static const test::OwnedHeightGrid world = test::make_valley_grid(1024, 30.0, 7);
