@@ -8,6 +8,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "tests/e2e/browser.h"
 #include "tests/e2e/run_process.h"
 
 namespace ff::test {
@@ -45,24 +46,9 @@ TEST(AccuracyTest, writes_every_knob_s_points_and_the_front) {
 
 TEST(AccuracyTest, its_page_draws_and_its_controls_work_in_a_browser) {
     if (run("command -v chromium").exit_code != 0) GTEST_SKIP() << "no chromium here (tools/setup installs it)";
-    std::string page = read_file(report() / "accuracy.html");
-    const std::string end = "</body>";
-    const std::size_t at = page.rfind(end);
-    ASSERT_NE(at, std::string::npos);
-    page.insert(at, "<script>window.addEventListener('load', () => setTimeout(() => {" + read_file(FF_PAGE_CHECK) +
-                        "}, 200));</script>");
-    const auto checked = scratch() / "checked.html";
-    write_file(checked, page);
-    const ProcessResult browser =
-        run("timeout 120 chromium --headless --no-sandbox --disable-gpu --disable-dev-shm-usage --window-size=1280,900 "
-            "--user-data-dir=" +
-            (scratch() / "browser").string() +
-            " --virtual-time-budget=8000 --enable-logging=stderr --dump-dom 'file://" + checked.string() + "'");
-    // The title alone: the whole page would fill the log.
-    const std::size_t title = std::min(browser.out.find("<title>"), browser.out.size());
-    EXPECT_THAT(browser.out.substr(title, 200), HasSubstr("<title>all controls work</title>"))
-        << browser.err.substr(0, 2000);
-    EXPECT_EQ(browser.err.find("CONSOLE"), std::string::npos) << browser.err.substr(browser.err.find("CONSOLE"), 500);
+    const PageCheck check = check_page(read_file(report() / "accuracy.html"), read_file(FF_PAGE_CHECK), scratch());
+    EXPECT_EQ(check.title, "all controls work") << check.log.substr(0, 2000);
+    EXPECT_EQ(check.log.find("CONSOLE"), std::string::npos) << check.log.substr(check.log.find("CONSOLE"), 500);
 }
 
 TEST(AccuracyTest, an_allowed_error_picks_settings_from_the_table_and_says_so) {

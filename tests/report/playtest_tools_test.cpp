@@ -5,6 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "tests/e2e/browser.h"
 #include "tests/e2e/run_process.h"
 
 namespace ff::test {
@@ -126,21 +127,9 @@ TEST(ReportTest, its_page_draws_and_its_controls_work_in_a_browser) {
     const ProcessResult made = run_ff("report " + in_scratch("bench.json") + " " + in_scratch("budget.json") + " " +
                                       in_scratch("compare.json") + " -o " + in_scratch("report.html"));
     ASSERT_EQ(made.exit_code, 0) << made.err;
-    std::string page = read_file(in_scratch("report.html"));
-    const std::size_t at = page.rfind("</body>");
-    ASSERT_NE(at, std::string::npos);
-    page.insert(at, "<script>window.addEventListener('load', () => setTimeout(() => {" + read_file(FF_PAGE_CHECK) +
-                        "}, 200));</script>");
-    write_file(in_scratch("checked.html"), page);
-    const ProcessResult browser =
-        run("timeout 120 chromium --headless --no-sandbox --disable-gpu --disable-dev-shm-usage --window-size=1280,900 "
-            "--user-data-dir=" +
-            in_scratch("browser") + " --virtual-time-budget=8000 --enable-logging=stderr --dump-dom 'file://" +
-            in_scratch("checked.html") + "'");
-    const std::size_t title = std::min(browser.out.find("<title>"), browser.out.size());
-    EXPECT_THAT(browser.out.substr(title, 400), HasSubstr("<title>all controls work</title>"))
-        << browser.err.substr(0, 2000);
-    EXPECT_EQ(browser.err.find("CONSOLE"), std::string::npos) << browser.err.substr(browser.err.find("CONSOLE"), 500);
+    const PageCheck check = check_page(read_file(in_scratch("report.html")), read_file(FF_PAGE_CHECK), scratch());
+    EXPECT_EQ(check.title, "all controls work") << check.log.substr(0, 2000);
+    EXPECT_EQ(check.log.find("CONSOLE"), std::string::npos) << check.log.substr(check.log.find("CONSOLE"), 500);
 }
 
 TEST(ReportTest, refuses_what_it_cannot_draw) {
