@@ -5,7 +5,6 @@
 #include "engine/core/jobs.h"
 #include "engine/effects/mirrored_motion.h"
 #include "engine/frame/history.h"
-#include "engine/frame/sun_pass.h"
 
 namespace ff::frame {
 namespace {
@@ -111,9 +110,8 @@ void keep(const FramePlan& plan, const scene::StaticScene& scene, const FrameHis
 
 void find_mirrored(const FramePlan& plan, FrameHistory& history) {
     history.mirrored.clear();
-    if (!plan.effects.is_active(effects::EffectId::reflections) || plan.dynamic.empty()) return;
-    bound_moving(plan.dynamic, history.moving);
-    effects::find_mirrored(plan.view, history.moving, history.mirrored);
+    if (plan.effects.is_active(effects::EffectId::reflections))
+        effects::find_mirrored(plan.view, history.moving, history.mirrored);
 }
 
 bool has_restless_mirrors(const FramePlan& plan, const FrameHistory& history) {

@@ -11,7 +11,7 @@ namespace ff::frame {
 struct FrameHistory;
 
 /// Finds what the mirrors of a frame may show of what moves.
-/// @param history  its `mirrored` is written
+/// @param history  its `mirrored` is written; `moving` holds what moves in this frame
 void find_mirrored(const FramePlan& plan, FrameHistory& history);
 
 /// Whether the frame may have mirrors that are not at rest.

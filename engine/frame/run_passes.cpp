@@ -409,6 +409,7 @@ void draw_surfaces(const FramePlan& plan, const Tools& tools, FrameHistory& hist
     farfield::VisibilityBuffer& visibility = history.visibility;
     SourceMasks& sources = history.sources;
 
+    bound_moving(plan.dynamic, history.moving);
     find_mirrored(plan, history);
 
     // Near field: what is close enough that triangles are cheaper than pixels.
@@ -493,10 +494,8 @@ void draw_surfaces(const FramePlan& plan, const Tools& tools, FrameHistory& hist
         remove(sources.verified, coloured);
         if (plan.look_up_panorama && plan.effects.is_active(effects::EffectId::reflections))
             show_resting_mirrors(plan, tools.scene, history, image);
-        if (plan.sun_shadows && !plan.dynamic.empty()) {
-            bound_moving(plan.dynamic, history.moving);
+        if (plan.sun_shadows && !plan.dynamic.empty())
             take_out_shaded(plan, tools.scene, history.moving, history.all_tiles, visibility, coloured);
-        }
         if (has_restless_mirrors(plan, history)) take_out_restless_mirrors(plan, tools.scene, history, coloured);
         const PixelMask* const done[] = {&coloured};
         collect_requests(history.all_tiles, done, history.to_shade);
