@@ -10,10 +10,12 @@ namespace ff::effects {
 
 enum class EffectId : std::uint8_t {
     atmosphere,
+    birds,
     fog,
     lamps,
     rain,
     reflections,
+    rigid_bodies,
     snow,
     sound,
     sun_shadows,
@@ -21,7 +23,7 @@ enum class EffectId : std::uint8_t {
     water,
     wind
 };
-inline constexpr std::size_t kEffectCount = 11;
+inline constexpr std::size_t kEffectCount = 13;
 
 enum class State : std::uint8_t {
     off,     ///< nothing calls for it: no memory, no shader, no system, no ray, no time
@@ -56,11 +58,33 @@ struct Hearing {
     friend bool operator==(const Hearing&, const Hearing&) = default;
 };
 
+/// What a frame is told of an effect that is simulated beside it, by whoever ticks it.
+struct Simulation {
+    bool is_called_for = false;     ///< the world has some of it
+    std::uint32_t moving = 0;       ///< things that the last tick moved
+    std::uint32_t systems = 0;      ///< scheduled for it
+    double ms = 0.0;                ///< of the ticks since the last frame
+    std::uint64_t allocations = 0;  ///< likewise, where somebody counts them
+
+    friend bool operator==(const Simulation&, const Simulation&) = default;
+};
+
+/// Of the effects that are simulated: birds and rigid_bodies.
+struct Simulations {
+    std::array<Simulation, 2> of{};
+
+    [[nodiscard]] Simulation& operator[](EffectId id) { return of[id == EffectId::birds ? 0 : 1]; }
+    [[nodiscard]] const Simulation& operator[](EffectId id) const { return of[id == EffectId::birds ? 0 : 1]; }
+
+    friend bool operator==(const Simulations&, const Simulations&) = default;
+};
+
 /// What an effect did in a frame.
 struct Work {
     double ms = 0.0;                ///< of passes that are its own; what it adds to shared ones is found by comparing
     std::uint64_t allocations = 0;  ///< on the heap, where somebody counts them (core/heap_count.h)
     std::uint64_t rays = 0;
+    std::uint32_t systems = 0;  ///< of a schedule, for what is simulated
 };
 
 /// Effects by id, a bit each.

@@ -9,6 +9,8 @@ namespace {
 constexpr std::array<Effect, kEffectCount> kEffects{{
     {EffectId::atmosphere, "atmosphere", "[sky] model = \"atmosphere\"",
      "a table of the sky for each position of the sun, three exponentials a shaded pixel", "AIR", decide_atmosphere},
+    {EffectId::birds, "birds", "[[model]] flock, near the viewer", "a system, an entity and a pose for each bird", "",
+     decide_birds},
     {EffectId::fog, "fog", "[sky] fog_density_per_m", "an exponential a shaded pixel", "FOG", decide_fog},
     {EffectId::lamps, "lamps", "[[lamp]], once the sun is low and one is near",
      "a grid over the lamps, light by pixel in tiles within their reach", "", decide_lamps},
@@ -16,6 +18,8 @@ constexpr std::array<Effect, kEffectCount> kEffects{{
      "wet ground by pixel, streaks, a ray for each new square metre of shelter", "", decide_rain},
     {EffectId::reflections, "reflections", "[[water]], and glass or metal of a roughness up to 0.2, near the viewer",
      "a buffer and an image of the frame's size, rays by mirrors in their planes", "", decide_reflections},
+    {EffectId::rigid_bodies, "rigid_bodies", "[[model]] mass_kg, or bodies of the game, awake and near the viewer",
+     "a system, an entity and a hull for each body, contacts with the world's own triangles", "", decide_rigid_bodies},
     {EffectId::snow, "snow", "[weather] snow",
      "snow on the ground by pixel, flakes, a ray for each new square metre of shelter", "", decide_snow},
     {EffectId::sound, "sound", "[[sound]], near the viewer or played by the game",

@@ -46,6 +46,7 @@ struct Conditions {
     float reflections_within_m = 0.0f;
     float wind_within_m = 0.0f;
     Hearing hearing;
+    Simulations simulations;
     EffectSet without = 0;  ///< switched off by the user
 };
 
@@ -69,10 +70,12 @@ struct Effect {
 
 // The rows' own rules, one file each.
 [[nodiscard]] Decision decide_atmosphere(const Conditions& conditions);
+[[nodiscard]] Decision decide_birds(const Conditions& conditions);
 [[nodiscard]] Decision decide_fog(const Conditions& conditions);
 [[nodiscard]] Decision decide_lamps(const Conditions& conditions);
 [[nodiscard]] Decision decide_rain(const Conditions& conditions);
 [[nodiscard]] Decision decide_reflections(const Conditions& conditions);
+[[nodiscard]] Decision decide_rigid_bodies(const Conditions& conditions);
 [[nodiscard]] Decision decide_snow(const Conditions& conditions);
 [[nodiscard]] Decision decide_sound(const Conditions& conditions);
 [[nodiscard]] Decision decide_sun_shadows(const Conditions& conditions);

@@ -99,6 +99,7 @@ void decide_effects(const scene::StaticScene& scene, const effects::SceneFacts& 
                                             .reflections_within_m = settings.reflections_within_m,
                                             .wind_within_m = settings.wind_within_m,
                                             .hearing = settings.hearing,
+                                            .simulations = settings.simulations,
                                             .without = settings.without_effects});
     scene::Weather& weather = plan.environment.weather;
     if (!plan.effects.is_active(EffectId::rain)) weather.rain = 0.0f;

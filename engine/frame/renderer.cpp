@@ -126,6 +126,12 @@ const FrameStats& Renderer::draw(const Camera& camera, std::span<const scene::In
     const std::int64_t planned_ns = steady_ns(), planned_work_ns = work_ns();
     history_.last_stats = run_passes(plan_, tools_, history_, image);
     FrameStats& stats = history_.last_stats;
+    for (const effects::EffectId id : {effects::EffectId::birds, effects::EffectId::rigid_bodies}) {
+        const effects::Simulation& simulation = settings.simulations[id];
+        if (stats.effects[id].state != effects::State::off)
+            stats.work(id) = {
+                .ms = simulation.ms, .allocations = simulation.allocations, .systems = simulation.systems};
+    }
     stats.ms(Pass::plan) = 1e-6 * double(planned_work_ns - begin_work_ns);
     stats.log.begin_ns = begin_ns;
     stats.log.end_ns = steady_ns();

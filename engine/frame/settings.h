@@ -71,6 +71,7 @@ struct FrameSettings {
     /// Glass and metal farther from the eye than this mirror the sky alone. Metres, (0, 100,000].
     float reflections_within_m = 60.0f;
     effects::Hearing hearing;                ///< for the list of effects alone
+    effects::Simulations simulations;        ///< likewise
     effects::EffectSet without_effects = 0;  ///< these are off, whatever calls for them
     int sun_refresh_frames = 32;  ///< reused light is looked at anew at least once in so many. [0, 255]; 0: never
     float resolution = 1.0f;      ///< share of the image's sides that is drawn; enlarged to be shown. [0.25, 1]

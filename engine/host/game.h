@@ -12,6 +12,7 @@
 
 #include "engine/animation/dynamic_models.h"
 #include "engine/core/result.h"
+#include "engine/effects/effect.h"
 #include "engine/loop/controls.h"
 #include "engine/loop/user_command.h"
 #include "engine/math/camera.h"
@@ -49,6 +50,7 @@ struct GameView {
     std::optional<SunPosition> sun;               ///< nothing: as the world has it
     std::vector<sound::Emitter> sounds;           ///< that sound on and on, beside the world's own
     std::vector<sound::SoundEvent> sound_events;  ///< of about the last second; each is played once
+    effects::Simulations simulations;             ///< of the last tick; for the list of effects alone
     double time_s = 0.0;                          ///< since the session began: what weather and water move by
     std::vector<HudItem> hud;
     double turn_scale = 1.0;  ///< of looking around: below 1 through a spyglass

@@ -32,6 +32,7 @@ Status ViewDrawer::draw(const GameView& view, int width, int height, const frame
     frame::FrameSettings now = settings;
     now.time_s = view.time_s;
     now.hearing.is_called_for = !world_.info().sounds.clips.empty();
+    now.simulations = view.simulations;
     if (view.sun) now.to_sun = direction_to(*view.sun);
     stats_ = renderer_->draw(view.camera, dynamic_, now, image);
     return renderer_->refusal();

@@ -61,7 +61,7 @@ struct PhysicsWorld::Impl {
     // The step, in order.
     void move_kinematic();
     void move_characters(StepStats& stats);
-    void choose_active(StepStats& stats);
+    void choose_active(std::span<const WorldPos> viewers, StepStats& stats);
     void find_contacts(StepStats& stats);
     void solve_islands(StepStats& stats);
     void touch_bodies(std::uint32_t slot, std::uint32_t place);

@@ -45,7 +45,7 @@ Vec3 limited(const Vec3& v, float most) {
 
 }  // namespace
 
-StepStats PhysicsWorld::step() {
+StepStats PhysicsWorld::step(std::span<const WorldPos> viewers) {
     Impl& s = *impl_;
     StepStats stats;
     s.controller.query().reset_count();
@@ -54,7 +54,7 @@ StepStats PhysicsWorld::step() {
 
     s.move_kinematic();
     s.move_characters(stats);
-    s.choose_active(stats);
+    s.choose_active(viewers, stats);
     s.find_contacts(stats);
     s.solve_islands(stats);
 
@@ -110,16 +110,18 @@ void PhysicsWorld::Impl::move_characters(StepStats& stats) {
     }
 }
 
-void PhysicsWorld::Impl::choose_active(StepStats& stats) {
+void PhysicsWorld::Impl::choose_active(std::span<const WorldPos> viewers, StepStats& stats) {
     active.clear();
     placed.clear();
     solver_bodies.clear();
-    const bool anyone = stats.characters > 0;
+    const bool anyone = stats.characters > 0 || !viewers.empty();
     for (const std::uint32_t slot : awake) {
         Body& body = bodies[slot];
         bool in_range = !anyone;
         for (std::size_t c = 0; c < characters.size() && !in_range; ++c)
             in_range = characters[c].alive && distance_to(body.bounds, characters[c].feet) <= settings.active_range_m;
+        for (std::size_t v = 0; v < viewers.size() && !in_range; ++v)
+            in_range = distance_to(body.bounds, viewers[v]) <= settings.active_range_m;
         if (in_range) {
             activate(slot);
         } else {

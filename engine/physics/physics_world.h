@@ -22,8 +22,8 @@ struct PhysicsSettings {
     double tick_s = 1.0 / 120.0;            ///< length of a step, [1e-4, 0.1]
     Vec3 gravity_m_s2{0.0f, -9.81f, 0.0f};  ///< on bodies; each component within 1000
     int solver_iterations = 12;             ///< of a body alone, a third more for each that it touches; [3, 200]
-    /// Dynamic bodies farther than this from every character are held where they are, as if time stood still for them.
-    /// Without a character none is held. (0, +inf]
+    /// Dynamic bodies farther than this from every character and viewer are held where they are, as if time stood still
+    /// for them. Without any none is held. (0, +inf]
     double active_range_m = 300.0;
 };
 
@@ -79,7 +79,8 @@ class PhysicsWorld {
     [[nodiscard]] CharacterState character(CharacterId character) const;
 
     /// One tick. Allocates nothing once its scratch has grown to what the scene asks for.
-    StepStats step();
+    /// @param viewers  bodies near them are stepped as those near characters are
+    StepStats step(std::span<const WorldPos> viewers = {});
     [[nodiscard]] std::uint64_t tick() const;  ///< steps made so far, saved with the state
     [[nodiscard]] const PhysicsSettings& settings() const;
     /// Dynamic bodies that the last step moved, in order of their slots.

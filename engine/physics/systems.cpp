@@ -24,7 +24,7 @@ void step_physics(ecs::SystemContext& context) {
     });
     context.each<const Walker>([&](const Walker& walker) { (void)bool(world.set_input(walker.id, walker.input)); });
 
-    tick.stats = world.step();
+    tick.stats = tick.viewer ? world.step({&*tick.viewer, 1}) : world.step();
 
     context.each<const RigidBody, LocalTransform>([&](const RigidBody& body, LocalTransform& local) {
         if (body.motion != Motion::dynamic || !world.is_alive(body.id)) return;

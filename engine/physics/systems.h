@@ -4,6 +4,8 @@
 // Dynamic bodies write their entity's LocalTransform (position and rotation; the scale is left alone); kinematic ones
 // follow it. So a door is an entity whose LocalTransform the game turns, and that carries a RigidBody.
 
+#include <optional>
+
 #include "engine/ecs/registry.h"
 #include "engine/ecs/schedule.h"
 #include "engine/physics/physics_world.h"
@@ -26,6 +28,7 @@ struct Walker {
 struct PhysicsTick {
     PhysicsWorld* world = nullptr;  ///< borrowed
     StepStats stats;
+    std::optional<WorldPos> viewer;  ///< bodies near it are stepped, too; see PhysicsWorld::step
 };
 
 /// What step_physics touches.

@@ -59,7 +59,8 @@ class Checker {
         // Later checks rely on earlier ones.
         if (check_sizes() && check_textures() && check_materials() && check_meshes() && check_cells() &&
             check_instances() && check_vertices() && check_triangles() && check_mesh_trees() && check_instance_tree() &&
-            check_height_grid() && check_environment() && check_lamps() && check_sounds() && check_info())
+            check_height_grid() && check_environment() && check_lamps() && check_sounds() && check_simulated() &&
+            check_info())
             return std::nullopt;
         return problem_;
     }
@@ -98,6 +99,8 @@ class Checker {
     bool check_environment();
     bool check_lamps();
     bool check_sounds();
+    bool is_moving_model(const MovingModel& model) const;
+    bool check_simulated();
     bool check_info();
 
     // The tree under nodes[0]; leaf(id) says what is wrong with a leaf's id, "" for nothing.
@@ -479,6 +482,35 @@ bool Checker::check_sounds() {
     return true;
 }
 
+bool Checker::is_moving_model(const MovingModel& model) const {
+    const std::uint64_t end = std::uint64_t(model.first_instance) + model.instance_count;
+    const std::uint64_t animated_end = std::uint64_t(model.first_animated) + model.animated_count;
+    return end <= info_.dynamic_instances.size() && animated_end <= info_.animation.instances.size() &&
+           is_within(model.position, kMaxWorldCoordinate) && is_within(model.yaw, -1e6, 1e6);
+}
+
+bool Checker::check_simulated() {
+    for (std::size_t i = 0; i < info_.flocks.size(); ++i) {
+        const Flock& flock = info_.flocks[i];
+        if (!is_moving_model(flock.model) || flock.birds == 0 || flock.birds > kMostBirds ||
+            !is_within(flock.radius_m, 5.0, 1000.0))
+            return report("flocks", i,
+                          fmt::format("{} birds within {} m; expected 1 to {} within 5 to 1000 m, a finite place and "
+                                      "some of {} dynamic instances",
+                                      flock.birds, flock.radius_m, kMostBirds, info_.dynamic_instances.size()));
+    }
+    for (std::size_t i = 0; i < info_.loose_bodies.size(); ++i) {
+        const LooseBody& body = info_.loose_bodies[i];
+        if (!is_moving_model(body.model) || body.model.instance_count == 0 || body.model.animated_count != 0 ||
+            !is_within(body.mass_kg, 1e-3, 1e6))
+            return report("loose_bodies", i,
+                          fmt::format("{} kg of {} instances; expected 0.001 to 1000000 kg, a finite place and some of "
+                                      "{} dynamic instances, none animated",
+                                      body.mass_kg, body.model.instance_count, info_.dynamic_instances.size()));
+    }
+    return true;
+}
+
 bool Checker::check_info() {
     const bool any = std::any_of(s_.cells.begin(), s_.cells.end(), [](const Cell& c) { return c.triangle_count > 0; });
     if (!is_within(s_.origin, kMaxBound) || (any && !is_box(s_.bounds)))
@@ -504,15 +536,11 @@ bool Checker::check_info() {
     std::vector<std::string_view> names;
     for (std::size_t i = 0; i < info_.places.size(); ++i) {
         const NamedPlace& place = info_.places[i];
-        const std::uint64_t end = std::uint64_t(place.first_instance) + place.instance_count;
-        const std::uint64_t animated_end = std::uint64_t(place.first_animated) + place.animated_count;
-        if (place.name.empty() || place.name.size() > kMaxNameBytes || end > info_.dynamic_instances.size() ||
-            animated_end > info_.animation.instances.size() || !is_within(place.position, kMaxWorldCoordinate) ||
-            !is_within(place.yaw, -1e6, 1e6))
+        if (place.name.empty() || place.name.size() > kMaxNameBytes || !is_moving_model(place))
             return report("places", i,
-                          fmt::format("a name of {} bytes and instances {} to {}; expected a name of 1 to {} bytes, a "
-                                      "finite place, and some of {} dynamic instances",
-                                      place.name.size(), place.first_instance, end, kMaxNameBytes,
+                          fmt::format("a name of {} bytes and {} instances from {} on; expected a name of 1 to {} "
+                                      "bytes, a finite place, and some of {} dynamic instances",
+                                      place.name.size(), place.instance_count, place.first_instance, kMaxNameBytes,
                                       info_.dynamic_instances.size()));
         names.push_back(place.name);
     }

@@ -55,6 +55,15 @@ inline disk::HeightGrid to_disk(const HeightGrid& g) {
 inline disk::SoundSource to_disk(const SoundSource& s) {
     return {to_disk(s.position), s.clip, s.reference_m, s.gain};
 }
+inline disk::MovingModel to_disk(const MovingModel& m) {
+    return {to_disk(m.position), m.yaw, m.first_instance, m.instance_count, m.first_animated, m.animated_count};
+}
+inline disk::Flock to_disk(const Flock& f) {
+    return {to_disk(f.model), f.birds, f.radius_m};
+}
+inline disk::LooseBody to_disk(const LooseBody& b) {
+    return {to_disk(b.model), b.mass_kg};
+}
 inline disk::Lamp to_disk(const Lamp& l) {
     return {to_disk(l.position), to_disk(l.color), l.lumens, l.radius_m, l.on_below_sun_deg};
 }
@@ -134,6 +143,20 @@ inline HeightGrid from_disk(const disk::HeightGrid& g) {
 }
 inline SoundSource from_disk(const disk::SoundSource& s) {
     return {.position = from_disk(s.position()), .clip = s.clip(), .reference_m = s.reference_m(), .gain = s.gain()};
+}
+inline MovingModel from_disk(const disk::MovingModel& m) {
+    return {.position = from_disk(m.position()),
+            .yaw = m.yaw(),
+            .first_instance = m.first_instance(),
+            .instance_count = m.instance_count(),
+            .first_animated = m.first_animated(),
+            .animated_count = m.animated_count()};
+}
+inline Flock from_disk(const disk::Flock& f) {
+    return {.model = from_disk(f.model()), .birds = f.birds(), .radius_m = f.radius_m()};
+}
+inline LooseBody from_disk(const disk::LooseBody& b) {
+    return {.model = from_disk(b.model()), .mass_kg = b.mass_kg()};
 }
 inline Lamp from_disk(const disk::Lamp& l) {
     return {.position = from_disk(l.position()),

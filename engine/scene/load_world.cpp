@@ -305,13 +305,13 @@ class WorldLoader {
                 name_bytes += stored->name()->size() + sizeof(NamedPlace);
                 if (name_bytes > records_.world.size() * sizeof(NamedPlace))
                     return pack_.error_in(chunk, "places of more bytes than the table has room for");
-                info.places.push_back({.name = stored->name()->str(),
-                                       .position = from_disk(*stored->position()),
-                                       .yaw = stored->yaw(),
-                                       .first_instance = stored->first_instance(),
-                                       .instance_count = stored->instance_count(),
-                                       .first_animated = stored->first_animated(),
-                                       .animated_count = stored->animated_count()});
+                info.places.push_back({{.position = from_disk(*stored->position()),
+                                        .yaw = stored->yaw(),
+                                        .first_instance = stored->first_instance(),
+                                        .instance_count = stored->instance_count(),
+                                        .first_animated = stored->first_animated(),
+                                        .animated_count = stored->animated_count()},
+                                       stored->name()->str()});
             }
         }
         if (table.sound_clips() != nullptr) {
@@ -330,6 +330,16 @@ class WorldLoader {
                 return pack_.error_in(chunk, "sound sources at an odd place; expected a multiple of 8");
             for (const disk::SoundSource* source : *table.sound_sources())
                 info.sounds.sources.push_back(from_disk(*source));
+        }
+        if (table.flocks() != nullptr) {
+            if (!assets::is_aligned(*table.flocks()))
+                return pack_.error_in(chunk, "flocks at an odd place; expected a multiple of 8");
+            for (const disk::Flock* flock : *table.flocks()) info.flocks.push_back(from_disk(*flock));
+        }
+        if (table.loose_bodies() != nullptr) {
+            if (!assets::is_aligned(*table.loose_bodies()))
+                return pack_.error_in(chunk, "loose bodies at an odd place; expected a multiple of 8");
+            for (const disk::LooseBody* body : *table.loose_bodies()) info.loose_bodies.push_back(from_disk(*body));
         }
         // Several entries of a FlatBuffer may point to one table: what it holds in all is held against its size.
         std::uint64_t bytes = 0;

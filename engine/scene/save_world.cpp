@@ -71,6 +71,12 @@ flatbuffers::DetachedBuffer world_table(const SceneData& scene, const WorldInfo&
     const auto sources =
         clips.empty() ? 0
                       : builder.CreateVectorOfStructs(records_of<SoundSource, disk::SoundSource>(info.sounds.sources));
+    const auto flocks =
+        info.flocks.empty() ? 0 : builder.CreateVectorOfStructs(records_of<Flock, disk::Flock>(info.flocks));
+    const auto loose_bodies =
+        info.loose_bodies.empty()
+            ? 0
+            : builder.CreateVectorOfStructs(records_of<LooseBody, disk::LooseBody>(info.loose_bodies));
     const disk::DVec3 origin = to_disk(scene.origin);
     const disk::DBox3 bounds = to_disk(scene.bounds);
     const disk::HeightGrid grid = to_disk(scene.height_grid);
@@ -82,7 +88,7 @@ flatbuffers::DetachedBuffer world_table(const SceneData& scene, const WorldInfo&
                                    scene.environment.atmosphere.turbidity, scene.environment.atmosphere.brightness,
                                    scene.environment.weather.rain, scene.environment.weather.snow,
                                    scene.environment.weather.wind_m_s.x, scene.environment.weather.wind_m_s.y, lamps,
-                                   place_list, clip_list, sources));
+                                   place_list, clip_list, sources, flocks, loose_bodies));
     return builder.Release();
 }
 

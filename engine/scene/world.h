@@ -28,15 +28,39 @@ struct DynamicInstance {
     friend bool operator==(const DynamicInstance&, const DynamicInstance&) = default;
 };
 
-/// A place that has a name, by which a game finds it: where a model stands, or nothing.
-struct NamedPlace {
-    std::string name;                                      ///< unique in a world
+/// What moves as a whole: where the world has put it, and which of its moving instances it is made of.
+struct MovingModel {
     WorldPos position{0.0};                                ///< metres
     double yaw = 0.0;                                      ///< radians, as Camera::yaw
-    std::uint32_t first_instance = 0, instance_count = 0;  ///< the model's, of WorldInfo::dynamic_instances
-    std::uint32_t first_animated = 0, animated_count = 0;  ///< likewise, of AnimationSet::instances
+    std::uint32_t first_instance = 0, instance_count = 0;  ///< of WorldInfo::dynamic_instances
+    std::uint32_t first_animated = 0, animated_count = 0;  ///< of AnimationSet::instances
+
+    friend bool operator==(const MovingModel&, const MovingModel&) = default;
+};
+
+/// A place that has a name, by which a game finds it: where a model stands, or nothing.
+struct NamedPlace : MovingModel {
+    std::string name;  ///< unique in a world
 
     friend bool operator==(const NamedPlace&, const NamedPlace&) = default;
+};
+
+/// Birds that fly together about a place, each a copy of the model that stands there.
+struct Flock {
+    MovingModel model;
+    std::uint32_t birds = 0;  ///< [1, kMostBirds]
+    float radius_m = 45.0f;   ///< how far they stray, about. [5, 1000]
+
+    friend bool operator==(const Flock&, const Flock&) = default;
+};
+inline constexpr std::uint32_t kMostBirds = 256;
+
+/// A rigid body that nobody holds.
+struct LooseBody {
+    MovingModel model;      ///< of one instance at least, none of them animated
+    float mass_kg = 10.0f;  ///< [1e-3, 1e6]
+
+    friend bool operator==(const LooseBody&, const LooseBody&) = default;
 };
 
 /// What a pack holds beside the static scene.
@@ -46,6 +70,8 @@ struct WorldInfo {
     double spawn_yaw = 0.0;        ///< radians, as Camera::yaw
     std::vector<DynamicInstance> dynamic_instances;
     std::vector<NamedPlace> places;
+    std::vector<Flock> flocks;
+    std::vector<LooseBody> loose_bodies;
     AnimationSet animation;
     SoundSet sounds;
     std::vector<Walk> walks;         ///< names are unique and not empty

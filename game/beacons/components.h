@@ -44,12 +44,6 @@ struct Traveller {
     float bob_m = 0.0f;  ///< up and down, on water
 };
 
-/// One of a flock.
-struct Bird {
-    Vec3 velocity_m_s{0.0f};
-    std::uint32_t flock = 0;
-};
-
 /// Turns about its place when somebody uses it.
 struct Gate {
     float open = 0.0f;  ///< [0, 1]

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "engine/physics/systems.h"
+#include "engine/scenery/loose_bodies.h"
 #include "game/beacons/rules.h"
 #include "game/beacons/state.h"
 
@@ -41,11 +42,12 @@ class Populator {
         if (s_.level.beacons.empty())
             return bad_input(fmt::format("{}: has no place called beacon.1; expected one for each beacon of the game",
                                          world_.info().name));
-        add_scenery();
+        s_.level.scenery = scenery::find_standing(world_, false);
         FF_TRY(add_travellers("cart", 1.6f, 0.0f));
         FF_TRY(add_travellers("boat", 2.0f, 0.12f));
         add_flocks();
-        return add_gates();
+        FF_TRY(add_gates());
+        return add_bodies();
     }
 
   private:
@@ -55,19 +57,6 @@ class Populator {
         s_.level.names.resize(std::max<std::size_t>(s_.level.names.size(), entity.index + 1));
         s_.level.names[entity.index] = name;
         return entity;
-    }
-
-    void add_scenery() {
-        const scene::WorldInfo& info = world_.info();
-        std::vector<bool> named(info.dynamic_instances.size()), named_animated(info.animation.instances.size());
-        for (const NamedPlace& place : info.places) {
-            for (std::uint32_t i = 0; i < place.instance_count; ++i) named[place.first_instance + i] = true;
-            for (std::uint32_t i = 0; i < place.animated_count; ++i) named_animated[place.first_animated + i] = true;
-        }
-        for (std::uint32_t i = 0; i < named.size(); ++i)
-            if (!named[i]) s_.level.scenery.push_back({.first_instance = i, .instance_count = 1});
-        for (std::uint32_t i = 0; i < named_animated.size(); ++i)
-            if (!named_animated[i]) s_.level.scenery.push_back({.first_animated = i, .animated_count = 1});
     }
 
     /// Some worlds are buildings on nothing: there one walks on a level as high as the spawn point.
@@ -121,18 +110,30 @@ class Populator {
     }
 
     void add_flocks() {
-        std::uint32_t flock = 0;
-        for (const NamedPlace* place : places_called(world_, "flock")) {
-            for (std::uint32_t i = 0; i < kFlock; ++i) {
-                const double angle = 2.0 * kPi * i / kFlock;
-                const DVec3 offset(9.0 * std::cos(angle), 2.0 * std::sin(3.0 * angle), 9.0 * std::sin(angle));
-                const Vec3 velocity(float(-7.0 * std::sin(angle)), 0.0f, float(7.0 * std::cos(angle)));
-                s_.level.birds.push_back(add(fmt::format("bird {} of {}", i + 1, place->name),
-                                             standing_at(place->position + offset, 0.0), host::model_of(*place),
-                                             Bird{velocity, flock}));
+        scenery::Flocks& flocks = s_.registry.resource<scenery::Flocks>();
+        flocks.within_m = kBirdsWithin;
+        for (const scene::Flock& flock : world_.info().flocks) {
+            const auto index = std::uint32_t(flocks.homes.size());
+            flocks.homes.push_back({flock.model.position, flock.radius_m});
+            for (std::uint32_t i = 0; i < flock.birds; ++i) {
+                const scenery::BirdStart start = scenery::start_of(flocks.homes[index], i, flock.birds, index);
+                s_.level.birds.push_back(add(fmt::format("bird {} of flock {}", i + 1, index + 1), start.at,
+                                             host::model_of(flock.model), start.bird));
             }
-            ++flock;
         }
+    }
+
+    Status add_bodies() {
+        for (const scene::LooseBody& body : world_.info().loose_bodies) {
+            const scenery::LooseBodyStart start = scenery::start_of(world_, body);
+            const std::string name = fmt::format("loose body {}", s_.level.bodies.size() + 1);
+            const ecs::Entity entity =
+                add(name, {.position = start.desc.pose.position, .rotation = start.desc.pose.rotation}, start.model);
+            if (const auto made = physics::attach_body(s_.registry, s_.physics, entity, start.desc); !made)
+                return bad_input(fmt::format("{}: {}: {}", world_.info().name, name, made.error().message));
+            s_.level.bodies.push_back(entity);
+        }
+        return {};
     }
 
     Status add_gates() {
@@ -167,9 +168,8 @@ State::State(const scene::World& world, std::uint64_t session_seed)
 void add_systems(ecs::Schedule& schedule) {
     add_player_system(schedule);
     add_traveller_system(schedule);
-    add_bird_system(schedule);
     add_gate_system(schedule);
-    physics::add_physics_system(schedule);
+    add_scenery_systems(schedule);
     add_beacon_system(schedule);
 }
 

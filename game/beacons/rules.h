@@ -27,7 +27,7 @@ inline constexpr std::uint32_t kKindleTicks = 3 * kTicks / 2;  ///< of holding t
 inline constexpr std::uint32_t kSpotTicks = kTicks;            ///< of looking at it through the spyglass
 inline constexpr double kSpotAngle = radians_of(1.5);          ///< from the middle of the view
 inline constexpr double kSpotRange = 20'000.0;                 ///< metres
-inline constexpr std::uint32_t kFlock = 14;                    ///< birds
+inline constexpr double kBirdsWithin = 1'500.0;                ///< metres; see scenery::Flocks
 inline constexpr double kGateReach = 5.0;                      ///< metres
 
 }  // namespace ff::beacons

@@ -50,12 +50,14 @@ void visit_entities(State& state, Begin&& begin_entity, Visit&& visit) {
         visit(beacon.lit);
     });
     each(level.travellers, [&](ecs::Entity entity) { visit(registry.get<Traveller>(entity)->distance_m); });
-    each(level.birds, [&](ecs::Entity entity) { visit_vector(registry.get<Bird>(entity)->velocity_m_s, visit); });
+    each(level.birds,
+         [&](ecs::Entity entity) { visit_vector(registry.get<scenery::Bird>(entity)->velocity_m_s, visit); });
     each(level.gates, [&](ecs::Entity entity) {
         auto& gate = *registry.get<Gate>(entity);
         visit(gate.open);
         visit(gate.opening);
     });
+    each(level.bodies, [](ecs::Entity) {});  // beside what physics knows of them
 }
 
 template <class Visit>

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
+#include "engine/physics/systems.h"
 #include "game/beacons/rules.h"
 #include "game/beacons/state.h"
 
@@ -63,6 +64,18 @@ void show_compass(State& state, const Camera& camera, std::vector<host::HudItem>
     }
 }
 
+/// For the list of effects.
+void tell_simulations(State& state, effects::Simulations& out) {
+    effects::Simulation& birds = out[effects::EffectId::birds];
+    birds.is_called_for = !state.level.birds.empty();
+    birds.moving = state.registry.resource<scenery::Flocks>().flying;
+    birds.systems = birds.is_called_for ? 1 : 0;
+    effects::Simulation& bodies = out[effects::EffectId::rigid_bodies];
+    bodies.is_called_for = !state.level.bodies.empty();
+    bodies.moving = state.registry.resource<physics::PhysicsTick>().stats.bodies_stepped;
+    bodies.systems = bodies.is_called_for ? 1 : 0;
+}
+
 }  // namespace
 
 void show_hud(State& state, const Camera& camera, std::vector<host::HudItem>& out) {
@@ -110,12 +123,17 @@ void show_state(State& state, double fraction, host::GameView& out) {
     ecs::Registry& registry = state.registry;
     const scene::World& world = *state.level.world;
     std::uint32_t number = 0;
-    registry.each<const ecs::LocalTransform, const Before, const host::ShownModel>(
-        [&](const ecs::LocalTransform& at, const Before& before, const host::ShownModel& model) {
-            // No two wings beat as one.
-            const Pose pose = between(before, at, fraction);
-            host::show_model(world, model, pose.position, pose.rotation, seconds + 0.37 * number++, out);
-        });
+    const auto show_entity = [&](ecs::Entity entity) {
+        const Pose pose = between(*registry.get<Before>(entity), *registry.get<ecs::LocalTransform>(entity), fraction);
+        // No two wings beat as one.
+        host::show_model(world, *registry.get<host::ShownModel>(entity), pose.position, pose.rotation,
+                         seconds + 0.37 * number++, out);
+    };
+    const scenery::Flocks& flocks = registry.resource<scenery::Flocks>();
+    for (const ecs::Entity entity : state.level.birds)
+        if (flocks.is_near(registry.get<scenery::Bird>(entity)->flock)) show_entity(entity);
+    for (const auto* entities : {&state.level.travellers, &state.level.gates, &state.level.bodies})
+        for (const ecs::Entity entity : *entities) show_entity(entity);
     registry.each_chunk<const ecs::LocalTransform, const sound::SoundSource>(
         [&](std::span<const ecs::Entity> entities, auto places, auto sources) {
             for (std::size_t i = 0; i < entities.size(); ++i)
@@ -141,6 +159,7 @@ void show_state(State& state, double fraction, host::GameView& out) {
                   .vertical_fov = state.view().fov};
     out.turn_scale = state.view().fov / kFov;
     out.time_s = seconds;
+    tell_simulations(state, out.simulations);
     out.sun = sun_at(state.day().tick);
     show_hud(state, out.camera, out.hud);
 }

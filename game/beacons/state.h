@@ -11,6 +11,7 @@
 #include "engine/host/shown_model.h"
 #include "engine/physics/physics_world.h"
 #include "engine/scene/world.h"
+#include "engine/scenery/birds.h"
 #include "game/beacons/components.h"
 #include "game/beacons/path.h"
 
@@ -20,10 +21,10 @@ namespace ff::beacons {
 struct Level {
     const scene::World* world = nullptr;
     std::vector<Path> paths;
-    std::vector<ecs::Entity> beacons, travellers, birds, gates;  ///< in the order of their names
+    std::vector<ecs::Entity> beacons, travellers, birds, gates, bodies;  ///< in the order of their names
     ecs::Entity player;
     std::vector<std::string> names;         ///< by entity index
-    std::vector<host::ShownModel> scenery;  ///< what may move but has no name: it stays where the world has it
+    std::vector<host::ShownModel> scenery;  ///< what may move but nothing moves: it stays where the world has it
 };
 
 // Resources: what systems share.
@@ -68,15 +69,16 @@ struct State {
     [[nodiscard]] PlayerCommand& command() { return registry.resource<PlayerCommand>(); }
 };
 
-/// Makes the entities of a world: beacon.N, gate.N, cart.N, boat.N and flock.N of its places, the carts' and boats'
-/// ways of its walks. Errors (bad input): no beacon, a cart or boat without a walk of its name.
+/// Makes the entities of a world: beacon.N, gate.N, cart.N and boat.N of its places, the carts' and boats' ways of its
+/// walks, its flocks and loose bodies. Errors (bad input): no beacon, a cart or boat without a walk of its name.
 Status populate(State& state);
 
 /// Adds the systems of a tick, each in the file of its name.
 void add_systems(ecs::Schedule& schedule);
 void add_player_system(ecs::Schedule& schedule);
 void add_traveller_system(ecs::Schedule& schedule);
-void add_bird_system(ecs::Schedule& schedule);
+/// What the engine moves: birds and bodies.
+void add_scenery_systems(ecs::Schedule& schedule);
 void add_gate_system(ecs::Schedule& schedule);
 void add_beacon_system(ecs::Schedule& schedule);
 

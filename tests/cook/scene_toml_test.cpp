@@ -144,6 +144,36 @@ TEST_F(SceneToml, masked_leaves_sway_where_plants_are_scattered_and_of_models_th
     EXPECT_EQ(sways("street_trees = [\"oak.glb\"]\n"), 1);
 }
 
+TEST_F(SceneToml, flocks_fly_over_their_place_and_bodies_have_a_mass) {
+    for (const char* file : {"bird.glb", "barrel.glb"})
+        fs::copy_file(fs::path(FF_CONTENT_DIR) / "models" / file, folder_ / file);
+    const std::string bird = "format = 1\n[[model]]\nfile = \"bird.glb\"\n";
+    const std::string barrel = "format = 1\n[[model]]\nfile = \"barrel.glb\"\n";
+    const Result<WorldSource> world =
+        load(bird + "dynamic = true\nposition_m = [3, 5, 7]\nflock = 9\nflock_height_m = 20\n" +
+             "[[model]]\nfile = \"barrel.glb\"\ndynamic = true\nmass_kg = 12\nname = \"tun\"\n");
+    ASSERT_TRUE(world) << world.error().message;
+    ASSERT_EQ(world->places.size(), 2u);
+    EXPECT_EQ(world->places[0].flock, 9u);
+    EXPECT_EQ(world->places[0].flock_radius_m, 45.0f);
+    EXPECT_EQ(world->places[0].position, DVec3(3, 25, 7));
+    EXPECT_EQ(world->places[0].animated_count, 1u);
+    EXPECT_EQ(world->places[1].mass_kg, 12.0f);
+    EXPECT_EQ(world->places[1].placement_count, 1u);
+    const auto expect = [&](const std::string& text, const std::string& what) {
+        EXPECT_NE(error_of(text).find(what), std::string::npos) << error_of(text);
+    };
+    expect(bird + "flock = 9\n", "flock");
+    expect(bird + "dynamic = true\nflock = 257\n", "256");
+    expect(bird + "dynamic = true\nflock_radius_m = 20\n", "expected with flock only");
+    expect(bird + "dynamic = true\nflock = 2\nmass_kg = 2\n", "expected one of the two");
+    const Result<WorldSource> animated = load(bird + "dynamic = true\nmass_kg = 2\n");
+    ASSERT_FALSE(animated);
+    EXPECT_NE(animated.error().message.find("bird.glb: is animated"), std::string::npos) << animated.error().message;
+    expect(barrel + "mass_kg = 2\n", "expected with dynamic = true only");
+    expect(barrel + "dynamic = true\nmass_kg = -2\n", "mass_kg");
+}
+
 TEST_F(SceneToml, two_skies_and_placeless_lamps_are_refused) {
     EXPECT_NE(error_of("format = 1\n[sky]\nmodel = \"atmosphere\"\nzenith = [0, 0, 1]\n").find("zenith"),
               std::string::npos);

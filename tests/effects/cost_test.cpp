@@ -4,6 +4,7 @@
 
 #include "engine/core/heap_count.h"
 #include "engine/frame/renderer.h"
+#include "engine/scenery/scenery.h"
 #include "tests/support/town.h"
 #include "tests/support/wind.h"
 #include "tests/support/worlds.h"
@@ -87,6 +88,9 @@ TEST_F(EffectCosts, each_effect_alone_is_paid_for_and_no_other) {
         }
         if (effect.id == EffectId::lamps)
             data.lamps.push_back({.position = {0.0, 4.0, 50.0}, .on_below_sun_deg = 90.0f});
+        Simulations simulations;
+        if (effect.id == EffectId::birds || effect.id == EffectId::rigid_bodies)
+            simulations[effect.id] = {.is_called_for = true, .moving = 3, .systems = 1, .ms = 0.5};
         // Water mirrors: without rays it has waves alone.
         const std::uint64_t rays = effect.id == EffectId::water ? 0 : FrameSettings{}.reflection_rays;
         const FrameStats stats = walk(data.view(), {.fixed_near_m = 0.0,
@@ -94,7 +98,8 @@ TEST_F(EffectCosts, each_effect_alone_is_paid_for_and_no_other) {
                                                     .reflections_within_m = 1000.0f,
                                                     .hearing = {.is_called_for = effect.id == EffectId::sound,
                                                                 .has_device = effect.id == EffectId::sound,
-                                                                .voices = effect.id == EffectId::sound ? 1u : 0u}});
+                                                                .voices = effect.id == EffectId::sound ? 1u : 0u},
+                                                    .simulations = simulations});
         for (const Effect& other : registry()) {
             if (other.id == effect.id) {
                 EXPECT_EQ(stats.effects[other.id].state, State::active) << other.name;
@@ -111,10 +116,39 @@ TEST_F(EffectCosts, each_effect_alone_is_paid_for_and_no_other) {
             EXPECT_GT(stats.work(effect.id).ms, 0.0);
         }
         // The same scene with it switched off.
-        const FrameStats without =
-            walk(data.view(), {.fixed_near_m = 0.0, .reflection_rays = rays, .without_effects = set_of(effect.id)});
+        const FrameStats without = walk(data.view(), {.fixed_near_m = 0.0,
+                                                      .reflection_rays = rays,
+                                                      .simulations = simulations,
+                                                      .without_effects = set_of(effect.id)});
         expect_nothing(without, effect.id);
         EXPECT_EQ(without.effects[effect.id].state, State::off);
+    }
+}
+
+TEST(SceneryCosts, steady_ticks_take_nothing_from_the_heap) {
+    set_heap_counter(tool::heap_allocations);
+    scene::SceneData data = test::make_single_triangle(Vec3(-50, 0, -50), Vec3(-50, 0, 50), Vec3(80, 0, 0));
+    scene::MeshSource box;
+    test::append_box(box, Vec3(-0.5f), Vec3(0.5f), 1, 0);
+    const std::uint32_t mesh = data.add_mesh(scene::prepare_mesh(box, data.materials));
+    data.finish(64);
+    scene::WorldInfo info;
+    info.name = "yard";
+    info.dynamic_instances = {{.mesh = mesh, .position = {0, 30, 0}}, {.mesh = mesh, .position = {0, 60, 0}}};
+    info.flocks = {{{.position = {0, 30, 0}, .first_instance = 0, .instance_count = 1}, 20, 40.0f}};
+    // Falls all the time that is watched.
+    info.loose_bodies = {{{.position = {0, 60, 0}, .first_instance = 1, .instance_count = 1}, 10.0f}};
+    const scene::World world(std::move(data), std::move(info));
+    const auto scenery = *scenery::Scenery::make(world);
+    const Camera viewer{.position = {0.0, 2.0, 20.0}};
+    for (int t = 0; t < 60; ++t) scenery->tick(viewer);
+    (void)scenery->take_work();
+    for (int t = 0; t < 120; ++t) scenery->tick(viewer);
+    const Simulations work = scenery->take_work();
+    for (const EffectId id : {EffectId::birds, EffectId::rigid_bodies}) {
+        EXPECT_GT(work[id].moving, 0u);
+        EXPECT_GT(work[id].ms, 0.0);
+        EXPECT_EQ(work[id].allocations, 0u);
     }
 }
 

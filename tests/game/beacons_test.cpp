@@ -29,11 +29,11 @@ std::unique_ptr<scene::World> make_town() {
     info.name = "town";
     info.spawn_position = {0.0, 0.0, 0.0};
     info.dynamic_instances.resize(3, {.mesh = 0, .position = {0.0, 0.0, -60.0}});
-    info.places = {{.name = "beacon.1", .position = {0.0, 0.0, -40.0}},
-                   {.name = "beacon.2", .position = {0.0, 0.0, 40.0}},
-                   {.name = "cart.1", .position = {0.0, 0.0, 0.0}, .first_instance = 0, .instance_count = 1},
-                   {.name = "boat.1", .position = {0.0, 0.0, 0.0}, .first_instance = 1, .instance_count = 1},
-                   {.name = "flock.1", .position = {0.0, 60.0, 0.0}, .first_instance = 2, .instance_count = 1}};
+    info.places = {{{.position = {0.0, 0.0, -40.0}}, "beacon.1"},
+                   {{.position = {0.0, 0.0, 40.0}}, "beacon.2"},
+                   {{.position = {0.0, 0.0, 0.0}, .first_instance = 0, .instance_count = 1}, "cart.1"},
+                   {{.position = {0.0, 0.0, 0.0}, .first_instance = 1, .instance_count = 1}, "boat.1"}};
+    info.flocks = {{{.position = {0.0, 60.0, 0.0}, .first_instance = 2, .instance_count = 1}, 14, 45.0f}};
     info.walks = {walk_between("cart.1", {0.0, 0.0, -100.0}, {0.0, 0.0, 100.0}),
                   walk_between("boat.1", {-100.0, 0.0, 0.0}, {100.0, 0.0, 0.0})};
     return std::make_unique<scene::World>(test::make_city({.cells = 4}), std::move(info));
@@ -249,7 +249,7 @@ TEST(Beacons, a_world_without_ground_gets_some) {
     scene::WorldInfo info;
     info.name = "gap";
     info.spawn_position = {500.0, 3.0, 0.0};
-    info.places = {{.name = "beacon.1", .position = {500.0, 3.0, -40.0}}};
+    info.places = {{{.position = {500.0, 3.0, -40.0}}, "beacon.1"}};
     const scene::World world(test::make_city({.cells = 1}), std::move(info));
     const auto game = begin(world);
     for (int t = 0; t < 240; ++t) game->tick({.move_ahead = loop::UserCommand::kFull});
@@ -259,13 +259,57 @@ TEST(Beacons, a_world_without_ground_gets_some) {
     EXPECT_LT(view.camera.position.z, -3.0);
 }
 
+TEST(Beacons, loose_bodies_are_pushed_and_saved) {
+    scene::SceneData data;
+    data.materials.push_back(test::plain_material());
+    scene::MeshSource floor, box;
+    test::append_box(floor, Vec3(-50.0f, -1.0f, -50.0f), Vec3(50.0f, 0.0f, 50.0f), 1, 0);
+    test::append_box(box, Vec3(-0.4f), Vec3(0.4f), 1, 0);
+    const std::uint32_t floor_mesh = data.add_mesh(scene::prepare_mesh(floor, data.materials));
+    const std::uint32_t box_mesh = data.add_mesh(scene::prepare_mesh(box, data.materials));
+    data.add_instance(floor_mesh, WorldPos(0.0), Mat3(1.0f), 0);
+    data.finish(64);
+    scene::WorldInfo info;
+    info.name = "yard";
+    info.places = {{{.position = {0.0, 0.0, -45.0}}, "beacon.1"}};
+    info.dynamic_instances = {{.mesh = box_mesh, .position = {0.0, 1.0, -3.0}}};
+    info.loose_bodies = {{{.position = {0.0, 1.0, -3.0}, .instance_count = 1}, 5.0f}};
+    const scene::World world(std::move(data), std::move(info));
+    const auto game = begin(world);
+    const auto box_place = [](host::Game& shown) {
+        host::GameView view;
+        shown.show(1.0, view);
+        EXPECT_EQ(view.dynamic.size(), 1u);
+        return view.dynamic[0].position;
+    };
+    const loop::UserCommand walk{.move_ahead = loop::UserCommand::kFull};
+    for (int t = 0; t < 60; ++t) game->tick({});
+    EXPECT_NEAR(box_place(*game).y, 0.4, 0.05) << "it has fallen";
+    for (int t = 0; t < 3 * host::kTicksPerSecond; ++t) game->tick(walk);
+    EXPECT_LT(box_place(*game).z, -3.5) << "it was pushed ahead";
+    host::GameView view;
+    game->show(0.0, view);
+    EXPECT_TRUE(view.simulations[effects::EffectId::rigid_bodies].is_called_for);
+    EXPECT_EQ(view.simulations[effects::EffectId::rigid_bodies].moving, 1u);
+    EXPECT_FALSE(view.simulations[effects::EffectId::birds].is_called_for);
+
+    const auto loaded = begin(world);
+    ASSERT_TRUE(loaded->load(game->save(), game_info().save_version));
+    EXPECT_EQ(box_place(*loaded), box_place(*game));
+    for (int t = 0; t < 100; ++t) {
+        game->tick(walk);
+        loaded->tick(walk);
+        ASSERT_EQ(game->digest(), loaded->digest()) << "tick " << t;
+    }
+}
+
 TEST(Beacons, a_world_that_lacks_something_is_refused_by_name) {
     const scene::World empty(test::make_city({.cells = 1}), {.name = "bare"});
     const auto game = game_info().begin(empty, 1);
     ASSERT_FALSE(game);
     EXPECT_NE(game.error().message.find("beacon.1"), std::string::npos);
     scene::WorldInfo info{.name = "cartless"};
-    info.places = {{.name = "beacon.1"}, {.name = "cart.1"}};
+    info.places = {{{}, "beacon.1"}, {{}, "cart.1"}};
     const scene::World world(test::make_city({.cells = 1}), std::move(info));
     const auto refused = game_info().begin(world, 1);
     ASSERT_FALSE(refused);

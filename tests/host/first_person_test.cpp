@@ -34,8 +34,8 @@ TEST(ShownModel, moves_and_turns_as_a_whole_about_its_place) {
     scene::WorldInfo info;
     info.name = "two parts";
     info.dynamic_instances = {{.mesh = 0, .position = {10, 0, 0}}, {.mesh = 0, .position = {10, 0, -3}}};
-    const scene::NamedPlace place{
-        .name = "gate", .position = {10, 0, 0}, .yaw = 0.0, .first_instance = 0, .instance_count = 2};
+    const scene::NamedPlace place{{.position = {10, 0, 0}, .yaw = 0.0, .first_instance = 0, .instance_count = 2},
+                                  "gate"};
     const scene::World world(test::make_city({.cells = 2}), std::move(info));
     GameView view;
     show_model(world, model_of(place), {100, 5, 0}, turn_of(kEast * 1e-6), 0.0, view);

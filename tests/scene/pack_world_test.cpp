@@ -49,6 +49,8 @@ WorldInfo make_info() {
     info.dynamic_instances.push_back({0, WorldPos(10, 0, -4), test::turned_and_scaled(1.0, Vec3(2))});
     info.walks.push_back({"street", 60.0, 30.0, {{WorldPos(0, 1.7, 0), 10, -5, 1}, {WorldPos(1, 1.7, 0), 11, -5, 1}}});
     info.walks.push_back({"turn", 70.0, 30.0, {{WorldPos(0, 1.7, 0), 0, 0, 0}}});
+    info.flocks = {{{.position = {5, 30, 5}, .first_instance = 0, .instance_count = 1}, 12, 40.0f}};
+    info.loose_bodies = {{{.position = {10, 0, -4}, .yaw = 0.5, .first_instance = 0, .instance_count = 1}, 3.5f}};
     info.sounds.clips = {{.name = "hum", .rate_hz = 11025, .samples = {0, 5, -7, 32767, -32768}},
                          {.name = "tick", .rate_hz = 8000, .samples = {1}}};
     info.sounds.sources = {{.position = {1.0, 2.0, -3.0}, .clip = 1, .reference_m = 7.0f, .gain = 0.25f}};
@@ -158,6 +160,8 @@ TEST(WorldPack, gives_back_every_array_of_every_kind_of_world) {
 TEST(WorldPack, of_an_empty_world_is_an_empty_world) {
     WorldInfo info = make_info();
     info.dynamic_instances.clear();
+    info.flocks.clear();
+    info.loose_bodies.clear();
     const Bytes bytes = pack_of(test::make_empty_world(), info);
     const auto world = load_bytes(bytes);
     ASSERT_TRUE(world) << world.error().message;
@@ -178,6 +182,8 @@ TEST(WorldPack, gives_back_what_goes_with_the_scene) {
     EXPECT_EQ(loaded.spawn_yaw, info.spawn_yaw);
     EXPECT_EQ(loaded.source_bytes, info.source_bytes);
     EXPECT_EQ(loaded.dynamic_instances, info.dynamic_instances);
+    EXPECT_EQ(loaded.flocks, info.flocks);
+    EXPECT_EQ(loaded.loose_bodies, info.loose_bodies);
     EXPECT_EQ(loaded.walks, info.walks);
     ASSERT_NE((*world)->find_walk("turn"), nullptr);
     EXPECT_EQ((*world)->find_walk("turn")->fov_deg, 70.0);
@@ -299,6 +305,14 @@ TEST(WorldPack, is_not_written_where_the_cooker_broke_a_promise) {
     expect(message_for([](SceneData& d, WorldInfo&) { d.lamps[0].radius_m = 0.0f; }), "lamps[0]: ");
     expect(message_for([](SceneData& d, WorldInfo&) { d.sky_panorama.pop_back(); }), "sky_panorama[");
     expect(message_for([](SceneData&, WorldInfo& i) { i.dynamic_instances[0].mesh = 9; }), "dynamic_instances[0]: ");
+    expect(message_for([](SceneData&, WorldInfo& i) { i.flocks[0].birds = kMostBirds + 1; }), "flocks[0]: 257 birds");
+    expect(
+        message_for([](SceneData&, WorldInfo& i) { i.flocks[0].radius_m = std::numeric_limits<float>::quiet_NaN(); }),
+        "flocks[0]: 12 birds within nan m");
+    expect(message_for([](SceneData&, WorldInfo& i) { i.flocks[0].model.instance_count = 2; }), "flocks[0]: ");
+    expect(message_for([](SceneData&, WorldInfo& i) { i.loose_bodies[0].mass_kg = 0.0f; }), "loose_bodies[0]: 0 kg");
+    expect(message_for([](SceneData&, WorldInfo& i) { i.loose_bodies[0].model.animated_count = 1; }),
+           "loose_bodies[0]: ");
     expect(message_for([](SceneData&, WorldInfo& i) { i.sounds.sources[0].clip = 2; }), "sound_sources[0]: ");
     expect(message_for([](SceneData&, WorldInfo& i) { i.sounds.clips[1].rate_hz = 0; }), "sound_clips[1]: ");
     expect(message_for([](SceneData&, WorldInfo& i) { i.sounds.clips[1].name = "hum"; }), "two are called");

@@ -48,6 +48,7 @@ MODELS = {
     "bush": trees.bush,
     "street_lamp": props.street_lamp,
     "bench": props.bench,
+    "barrel": props.barrel,
     "boulder": props.boulder,
     "beacon": landmarks.beacon,
     "beacon_fire": landmarks.beacon_fire,

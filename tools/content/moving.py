@@ -41,7 +41,8 @@ def _between(along, joints):
 
 
 def bird():
-    """A gull, 1.1 m across, that flies a circle of 36 m about its origin, 24 m up: eight flaps, then a glide."""
+    """A gull, 1.1 m across. `circle`: it flies round its origin 36 m away and 24 m up, eight flaps, then a glide;
+    `flap`: the same wings where its origin is, for flocks that somebody moves."""
     white = Primitive(Material("down", color=(0.74, 0.74, 0.72), two_sided=True))
     grey = Primitive(Material("wing", color=(0.30, 0.32, 0.35), two_sided=True))
     # Joints: 0 body, 1 and 2 the left wing, 3 and 4 the right one.
@@ -89,14 +90,17 @@ def bird():
         return _product(yaw, _turn((0.0, 0.0, 1.0), -0.35))
 
     fast = 30
-    clips = {"circle": [
-        ("body", "translation", *_samples(seconds, rate, place)),
-        ("body", "rotation", *_samples(seconds, rate, heading)),
+    wings = [
         ("wing.L", "rotation", *_samples(seconds, fast, lambda t: _turn((0, 0, 1), -flap(t)))),
         ("tip.L", "rotation", *_samples(seconds, fast, lambda t: _turn((0, 0, 1), -0.7 * (flap(t - 0.008) - 0.12)))),
         ("wing.R", "rotation", *_samples(seconds, fast, lambda t: _turn((0, 0, 1), flap(t)))),
         ("tip.R", "rotation", *_samples(seconds, fast, lambda t: _turn((0, 0, 1), 0.7 * (flap(t - 0.008) - 0.12)))),
-    ]}
+    ]
+    clips = {"circle": [
+        ("body", "translation", *_samples(seconds, rate, place)),
+        ("body", "rotation", *_samples(seconds, rate, heading)),
+        *wings,
+    ], "flap": wings}
     nodes = [Node("bird", primitives=[white, grey]), Node("body"),
              Node("wing.L", (-0.06, 0.03, 0.0), "body"), Node("tip.L", (-0.26, 0.0, 0.0), "wing.L"),
              Node("wing.R", (0.06, 0.03, 0.0), "body"), Node("tip.R", (0.26, 0.0, 0.0), "wing.R")]

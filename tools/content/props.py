@@ -47,6 +47,29 @@ def bench():
     return Model("bench", [wood, iron])
 
 
+def barrel():
+    """Of staves with four hoops, 0.9 m high, about its middle, so that it can roll."""
+    wood = Primitive(Material("staves", png=grounds.wood().to_png()))
+    iron = Primitive(Material("hoops", color=(0.10, 0.09, 0.085)))
+
+    def radius(y):
+        return 0.36 - 0.10 * (y / 0.45) ** 2
+
+    heights = [-0.45 + 0.15 * i for i in range(7)]
+    tube(wood, [(0.0, y, 0.0) for y in heights], [radius(y) for y in heights], 20, (0.5, 1.0))
+    for end in (-1.0, 1.0):
+        y = 0.42 * end
+        rim = [wood.add((radius(y) * math.cos(a), y, radius(y) * math.sin(a)), (0.0, end, 0.0),
+                        (math.cos(a), math.sin(a))) for a in (math.tau * i / 20 for i in range(20))]
+        middle = wood.add((0.0, y, 0.0), (0.0, end, 0.0), (0.0, 0.0))
+        for a, b in zip(rim, rim[1:] + rim[:1]):
+            wood.triangle(middle, b, a) if end > 0 else wood.triangle(middle, a, b)
+    for y in (-0.38, -0.17, 0.17, 0.38):
+        tube(iron, [(0.0, y - 0.025, 0.0), (0.0, y + 0.025, 0.0)],
+             [radius(y - 0.025) + 0.008, radius(y + 0.025) + 0.008], 20)
+    return Model("barrel", [wood, iron])
+
+
 def _icosphere(levels):
     """Unit vertices and triangles of an icosahedron whose edges were halved `levels` times."""
     g = (1.0 + math.sqrt(5.0)) / 2.0

@@ -85,13 +85,15 @@ void add_places(const WorldSource& source, std::span<const std::size_t> moving_p
     for (const SourcePlace& place : source.places) {
         const std::uint32_t first = instances_before(place.first_placement);
         const std::uint32_t end = instances_before(place.first_placement + place.placement_count);
-        info.places.push_back({.name = place.name,
-                               .position = place.position,
-                               .yaw = radians_of(place.yaw_deg),
-                               .first_instance = end > first ? first : 0,
-                               .instance_count = end - first,
-                               .first_animated = place.first_animated,
-                               .animated_count = place.animated_count});
+        const scene::MovingModel model{.position = place.position,
+                                       .yaw = radians_of(place.yaw_deg),
+                                       .first_instance = end > first ? first : 0,
+                                       .instance_count = end - first,
+                                       .first_animated = place.first_animated,
+                                       .animated_count = place.animated_count};
+        if (!place.name.empty()) info.places.push_back({model, place.name});
+        if (place.flock > 0) info.flocks.push_back({model, place.flock, place.flock_radius_m});
+        if (place.mass_kg > 0.0f) info.loose_bodies.push_back({model, place.mass_kg});
     }
 }
 

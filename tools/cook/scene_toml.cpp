@@ -269,6 +269,7 @@ class SceneBuilder {
             DVec3 position(p.front(), 0, p.back());
             const std::optional<double> below = ground_now()(position.x, position.z);
             position.y = p.size() == 3 ? p[1] : below.value_or(0.0);
+            if (described.flock > 0) position.y += described.flock_height_m;
             const long uses = std::count_if(scene_.models.begin(), scene_.models.end(),
                                             [&](const ModelDescription& m) { return m.file == described.file; });
             const DMat3 turn = world_from_yaw(described.yaw_deg, described.scale);
@@ -287,7 +288,10 @@ class SceneBuilder {
                          .world_from_mesh = Mat3(turn * part.model_from_mesh),
                          .kind = part.use_count > 1 || uses > 1 ? PlacementKind::instance : PlacementKind::merge});
             }
-            if (!described.name.empty())
+            if (described.mass_kg > 0 && loaded->animated)
+                return bad_input(
+                    fmt::format("{}: is animated; expected a rigid model beside mass_kg", described.file.string()));
+            if (!described.name.empty() || described.flock > 0 || described.mass_kg > 0)
                 world_.places.push_back(
                     {.name = described.name,
                      .position = position,
@@ -295,7 +299,10 @@ class SceneBuilder {
                      .first_placement = first_placement,
                      .placement_count = world_.placements.size() - first_placement,
                      .first_animated = first_animated,
-                     .animated_count = std::uint32_t(world_.animation.instances.size()) - first_animated});
+                     .animated_count = std::uint32_t(world_.animation.instances.size()) - first_animated,
+                     .flock = std::uint32_t(described.flock),
+                     .flock_radius_m = float(described.flock_radius_m),
+                     .mass_kg = float(described.mass_kg)});
             // A model that is the ground blocks nothing, nor does one that hangs in the air.
             constexpr double kClearM = 3.0;
             if (below && !loaded->bounds.is_empty() &&

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <set>
 
+#include "engine/scene/world.h"
 #include "tools/cook/scene_toml_table.h"
 
 namespace ff::cook {
@@ -155,6 +156,16 @@ void read_model(const toml::table& source, TomlReport& report, SceneDescription&
     model.animation_phase = table.number("animation_phase", 0, 0, 0.999999);
     for (const char* key : {"animation", "animation_phase"})
         if (table.has(key) && !model.dynamic) table.fail(key, "expected with dynamic = true only");
+    model.flock = int(table.integer("flock", 0, 1, scene::kMostBirds));
+    model.flock_radius_m = table.number("flock_radius_m", 45, 5, 1000);
+    model.flock_height_m = table.number("flock_height_m", 25, 0, 10000);
+    for (const char* key : {"flock_radius_m", "flock_height_m"})
+        if (table.has(key) && model.flock == 0) table.fail(key, "expected with flock only");
+    model.mass_kg = table.number("mass_kg", 0, 1e-3, 1e6);
+    for (const char* key : {"flock", "mass_kg"})
+        if (table.has(key) && !model.dynamic) table.fail(key, "expected with dynamic = true only");
+    if (table.has("flock") && table.has("mass_kg"))
+        table.fail("mass_kg", "stands beside flock; expected one of the two");
     table.finish();
     scene.models.push_back(std::move(model));
 }

@@ -56,6 +56,9 @@ struct ModelDescription {
     std::string name;            ///< empty: none
     std::string animation;       ///< clip that it plays; empty: the first
     double animation_phase = 0;  ///< [0, 1)
+    int flock = 0;               ///< so many of it fly together; 0: it stands
+    double flock_radius_m = 45, flock_height_m = 25;
+    double mass_kg = 0;  ///< of a rigid body; 0: it is none
 };
 
 struct PlaceDescription {

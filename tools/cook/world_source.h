@@ -53,13 +53,16 @@ struct SourceWalk {
     std::vector<WalkFrame> frames;
 };
 
-/// A place with a name, and the placements of the model that stands there.
+/// A place with a name or a purpose, and the placements of the model that stands there.
 struct SourcePlace {
-    std::string name;
+    std::string name;  ///< empty: games do not find it
     DVec3 position{0.0};
     double yaw_deg = 0.0;
     std::size_t first_placement = 0, placement_count = 0;
     std::uint32_t first_animated = 0, animated_count = 0;  ///< of WorldSource::animation.instances
+    std::uint32_t flock = 0;                               ///< birds; 0: the model is none of a flock
+    float flock_radius_m = 0.0f;
+    float mass_kg = 0.0f;  ///< 0: no rigid body
 };
 
 struct WorldSource {

@@ -199,6 +199,11 @@ void add_view_options(CLI::App& app, ViewOptions& view, bool with_mode) {
         ->check(number_in(-360.0, 360.0));
     app.add_option("--wind-within-m", settings.wind_within_m, "Leaves farther away stand still; 0: all do")
         ->check(number_in(0.0, 1e3));
+    app.add_option("--birds-within-m", view.scenery.birds_within_m,
+                   "Flocks farther away are not there, in a view of 60 degrees")
+        ->check(number_in(0.0, 1e5));
+    app.add_option("--bodies-within-m", view.scenery.bodies_within_m, "Rigid bodies farther away stay where they are")
+        ->check(number_in(1.0, 1e5));
     app.add_option("--lamps-within-m", settings.lamps_within_m, "Lamps farther away light nothing; 0: none does")
         ->check(number_in(0.0, 1e5));
     app.add_option("--reflection-rays", settings.reflection_rays,

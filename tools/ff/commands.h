@@ -11,6 +11,7 @@
 #include "engine/core/result.h"
 #include "engine/frame/settings.h"
 #include "engine/host/play_alone.h"
+#include "engine/scenery/scenery.h"
 
 namespace ff::tool {
 
@@ -29,6 +30,7 @@ struct ViewOptions {
     frame::FrameSettings frame;
     bool use_occlusion = true;  ///< the hybrid's near field leaves out what is hidden
     int threads = 0;            ///< 0: all
+    scenery::ScenerySettings scenery;
     /// Azimuth and elevation of the sun in degrees: instead of the scene's, and where it has moved by the walk's end.
     std::optional<std::array<double, 2>> sun_deg, sun_to_deg;
     /// Errors that may be made: the fastest settings of the pack's accuracy table that keep them are taken.

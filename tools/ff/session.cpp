@@ -82,6 +82,12 @@ Result<frame::FrameSettings> chosen_settings(const ViewOptions& options, const s
     return settings;
 }
 
+Vec3 sun_direction(const std::array<double, 2>& azimuth_and_elevation_deg) {
+    const double azimuth = radians_of(azimuth_and_elevation_deg[0]);
+    const double elevation = radians_of(azimuth_and_elevation_deg[1]);
+    return Vec3(std::cos(elevation) * std::sin(azimuth), std::sin(elevation), -std::cos(elevation) * std::cos(azimuth));
+}
+
 Result<std::unique_ptr<scene::World>> open_world(const std::string& pack_or_source) {
     FF_ASSIGN(const std::filesystem::path pack, pack_of(pack_or_source));
     return scene::load_world(pack);
@@ -123,9 +129,10 @@ Result<std::unique_ptr<Session>> Session::open(const ViewOptions& options, std::
     session->settings_.hearing.is_called_for = !session->world_->info().sounds.clips.empty();
     session->sun_deg_ = options.sun_deg;
     session->sun_to_deg_ = options.sun_to_deg;
-    session->settings_.to_sun = session->settings_at(0).to_sun;
     session->casters_ = std::make_unique<frame::Casters>(session->world_->scene());
-    session->moving_.emplace(*session->world_);
+    FF_ASSIGN(session->moving_,
+              MovingModels::make(*session->world_, options.scenery, session->settings_.without_effects));
+    session->settings_.to_sun = session->settings_at(0).to_sun;
 
     bool needs_gl = session->settings_.fixed_near_m.value_or(0.0) > 0.0;
     for (const frame::Mode mode : modes) needs_gl |= mode == frame::Mode::raster || mode == frame::Mode::near;
@@ -145,25 +152,35 @@ Result<std::unique_ptr<Session>> Session::open(const ViewOptions& options, std::
     return session;
 }
 
-std::span<const scene::Instance> Session::dynamic(std::size_t frame, const ImageSize& size) {
-    return moving_->at(time_s(frame), walk_.camera(frame), size);
+/// What is simulated depends on where it is looked at from: the frames that lie between are gone through.
+void Session::simulate(std::size_t frame) {
+    if (frame < simulated_frame_) simulated_frame_ = 0;
+    for (; simulated_frame_ < frame; ++simulated_frame_)
+        moving_->advance(time_s(simulated_frame_), walk_.camera(simulated_frame_));
+    moving_->advance(time_s(frame), walk_.camera(frame));
 }
 
-frame::FrameSettings Session::settings_at(std::size_t frame) const {
+std::span<const scene::Instance> Session::dynamic(std::size_t frame, const ImageSize& size,
+                                                  effects::EffectSet without) {
+    simulate(frame);
+    return moving_->at(time_s(frame), walk_.camera(frame), size, without);
+}
+
+frame::FrameSettings Session::settings_at(std::size_t frame) {
     frame::FrameSettings settings = settings_;
     set_time(frame, settings);
     return settings;
 }
 
-void Session::set_time(std::size_t frame, frame::FrameSettings& settings) const {
+void Session::set_time(std::size_t frame, frame::FrameSettings& settings) {
     settings.time_s = time_s(frame);
+    simulate(frame);
+    settings.simulations = moving_->work();
     if (sun_deg_) {
         const std::array<double, 2>& to = sun_to_deg_.value_or(*sun_deg_);
         const double part = double(frame) / double(std::max<std::size_t>(walk_.frames.size() - 1, 1));
-        const double azimuth = radians_of(std::lerp((*sun_deg_)[0], to[0], part));
-        const double elevation = radians_of(std::lerp((*sun_deg_)[1], to[1], part));
-        settings.to_sun = Vec3(std::cos(elevation) * std::sin(azimuth), std::sin(elevation),
-                               -std::cos(elevation) * std::cos(azimuth));
+        settings.to_sun =
+            sun_direction({std::lerp((*sun_deg_)[0], to[0], part), std::lerp((*sun_deg_)[1], to[1], part)});
     }
 }
 

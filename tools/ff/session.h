@@ -37,6 +37,9 @@ Result<std::filesystem::path> pack_of(const std::string& pack_or_source);
 Result<frame::FrameSettings> chosen_settings(const ViewOptions& options, const scene::World& world,
                                              const scene::Walk& walk);
 
+/// The unit direction to a sun that stands there, as `--sun` says it.
+[[nodiscard]] Vec3 sun_direction(const std::array<double, 2>& azimuth_and_elevation_deg);
+
 /// Opens a pack; a source (scene.toml, .gltf, .glb) is cooked into the user's cache first.
 Result<std::unique_ptr<scene::World>> open_world(const std::string& pack_or_source);
 
@@ -62,11 +65,13 @@ class Session {
     /// The time of a frame of the walk: its number over the walk's rate.
     [[nodiscard]] double time_s(std::size_t frame) const { return double(frame) / walk_.rate_hz; }
     /// What the options ask for at the time of a frame of the walk.
-    [[nodiscard]] frame::FrameSettings settings_at(std::size_t frame) const;
-    /// The same for settings of whatever kind: its time, and where the sun stands then.
-    void set_time(std::size_t frame, frame::FrameSettings& settings) const;
+    [[nodiscard]] frame::FrameSettings settings_at(std::size_t frame);
+    /// The same for settings of whatever kind: its time, where the sun stands then, and what has been simulated.
+    void set_time(std::size_t frame, frame::FrameSettings& settings);
     /// What moves, at the time of a frame of the walk. Good until the next call.
-    [[nodiscard]] std::span<const scene::Instance> dynamic(std::size_t frame, const ImageSize& size);
+    /// @param without  effects whose things are not shown
+    [[nodiscard]] std::span<const scene::Instance> dynamic(std::size_t frame, const ImageSize& size,
+                                                           effects::EffectSet without = 0);
     [[nodiscard]] frame::Casters& casters() { return *casters_; }
     [[nodiscard]] nearfield::NearRenderer* near_renderer();
     [[nodiscard]] const std::string& gl_renderer_name() const { return gl_name_; }
@@ -76,11 +81,14 @@ class Session {
 
   private:
     Session();
+    void simulate(std::size_t frame);
+
     std::unique_ptr<scene::World> world_;
     scene::Walk walk_;
     frame::FrameSettings settings_;
     std::optional<std::array<double, 2>> sun_deg_, sun_to_deg_;
-    std::optional<MovingModels> moving_;
+    std::unique_ptr<MovingModels> moving_;
+    std::size_t simulated_frame_ = 0;
     std::string gl_name_ = "none";
     bool gl_is_software_ = false;
     std::unique_ptr<HeadlessGl> gl_;

@@ -30,7 +30,7 @@ json report_of(const effects::Effect& effect, const EffectWalk& walk, std::uint6
              {"allocations", sum.work.allocations},
              {"steady_allocations", sum.steady_allocations},
              {"shaders", shaders},
-             {"systems", 0},  // none is simulated: what is drawn follows from place and time
+             {"systems", sum.work.systems},
              {"rays_per_frame", double(sum.work.rays) / frames}};
     if (difference != nullptr)
         row["difference"] = {{"ms_with", difference->ms_with},

@@ -18,7 +18,7 @@ inline constexpr std::size_t kWarmUpFrames = 4;
 /// A frame that has just been drawn.
 struct LapFrame {
     std::size_t frame = 0;
-    double ms = 0.0;  ///< posing what moves, and drawing
+    double ms = 0.0;  ///< ticks of what is simulated, posing what moves, and drawing
     std::uint64_t allocations = 0, upload_bytes = 0;
     const frame::FrameStats& stats;
 };
@@ -33,9 +33,9 @@ Status draw_lap(Session& session, frame::Renderer& renderer, frame::FrameSetting
     renderer.reset();
     for (std::size_t f = 0; f < frames; ++f) {
         before(f);
-        session.set_time(f, settings);
         const std::uint64_t allocations = heap_allocations(), uploaded = gl::uploaded_bytes();
         const std::int64_t begin_ns = work_ns();
+        session.set_time(f, settings);
         const std::span<const scene::Instance> dynamic = session.dynamic(f, size);
         const double pose_ms = 1e-6 * double(work_ns() - begin_ns);
         const frame::FrameStats& stats = renderer.draw(session.walk().camera(f), dynamic, settings, image);

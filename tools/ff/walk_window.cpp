@@ -22,7 +22,8 @@ namespace {
 using platform::Key;
 
 constexpr std::size_t kGraphFrames = 240;
-constexpr int kRecordHz = 60;  ///< frames a second of what the player records
+constexpr double kLongestStep = 0.25;  ///< seconds that may pass between two frames
+constexpr int kRecordHz = 60;          ///< frames a second of what the player records
 
 bool takes_over(const platform::InputState& input) {
     for (const Key key : {Key::w, Key::a, Key::s, Key::d, Key::e, Key::q, Key::up, Key::down, Key::left, Key::right})
@@ -46,7 +47,7 @@ class Walker {
 
     /// The camera after `dt` more seconds.
     const Camera& advance(const platform::InputState& input, double dt) {
-        seconds_ += dt;
+        seconds_ += std::min(dt, kLongestStep);
         if (playing_ && takes_over(input)) {
             playing_ = false;
             log_info("the camera is yours: WASD, E and Q, mouse or arrow keys, shift to run; P plays the walk on");
@@ -66,7 +67,7 @@ class Walker {
         return camera_;
     }
 
-    /// Since the window opened: the time of what moves.
+    /// The time of what moves: since the window opened, without the times in which nothing was drawn.
     [[nodiscard]] double seconds() const { return seconds_; }
 
     void stop_recording() {
@@ -116,13 +117,15 @@ Status save_picture(const std::filesystem::path& out, const shading::Image& imag
 Status walk_in_window(const WalkOptions& options) {
     FF_ASSIGN(const std::unique_ptr<scene::World> world, open_world(options.view.pack));
     FF_ASSIGN(const scene::Walk walk, find_walk(*world, options.view.walk));
-    FF_ASSIGN(const frame::FrameSettings settings, chosen_settings(options.view, *world, walk));
+    FF_ASSIGN(frame::FrameSettings settings, chosen_settings(options.view, *world, walk));
+    if (options.view.sun_deg) settings.to_sun = sun_direction(*options.view.sun_deg);
     FF_ASSIGN(platform::Window window, platform::Window::open({.title = "Farfield: " + world->info().name,
                                                                .width = options.view.size.width,
                                                                .height = options.view.size.height}));
     FF_ASSIGN(nearfield::NearRenderer near_renderer, nearfield::NearRenderer::make(world->scene()));
     frame::Casters casters(world->scene());
-    MovingModels moving(*world);
+    FF_ASSIGN(const std::unique_ptr<MovingModels> moving,
+              MovingModels::make(*world, options.view.scenery, settings.without_effects));
 
     FF_ASSIGN(debug::Overlay overlay, debug::Overlay::make(window));
     debug::OverlayData overlay_data;
@@ -149,7 +152,10 @@ Status walk_in_window(const WalkOptions& options) {
             renderer =
                 std::make_unique<frame::Renderer>(world->scene(), casters, &near_renderer, size.width, size.height);
         }
-        const auto dynamic = moving.at(walker.seconds(), camera, {size.width, size.height});
+        moving->advance(walker.seconds(), camera);
+        settings.time_s = walker.seconds();
+        settings.simulations = moving->work();
+        const auto dynamic = moving->at(walker.seconds(), camera, {size.width, size.height});
         const frame::FrameStats& stats = renderer->draw(camera, dynamic, settings, image);
         FF_TRY(renderer->refusal());
         if (input.pressed(Key::f1)) show_overlay = !show_overlay;
