@@ -200,7 +200,8 @@ bool Mirrors::probe_tile(const MirrorInput& input, int step, std::uint32_t tile,
         const std::size_t to = std::size_t(y) * std::size_t(stride_) + std::size_t(x);
         if (any && instance_[to] != kSkyInstance) return;
         if (!mirrors_within(kind_of, input.visibility, at, input.within_m)) return;
-        if (!input.water && kind_of(input.visibility.instance[at], input.visibility.triangle[at]) == MirrorKind::water)
+        if (input.visibility.depth[at] < input.water_beyond_m &&
+            kind_of(input.visibility.instance[at], input.visibility.triangle[at]) == MirrorKind::water)
             return;
         if (!any) visit_pixels(tile, [&](int, int, std::size_t pixel) { instance_[pixel] = kSkyInstance; });
         any = true;

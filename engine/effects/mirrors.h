@@ -17,7 +17,7 @@ namespace ff::effects {
 /// How a surface mirrors.
 enum class MirrorKind : std::uint8_t {
     none,
-    water,  ///< as far as one sees, and never at rest
+    water,  ///< as far as one sees, and never at rest where it has waves
     glass,  ///< fades with distance; metal, too
 };
 
@@ -62,8 +62,8 @@ struct MirrorInput {
     int left = 0, top = 0;  ///< pixel of the visibility buffer that is the view's first; multiples of kTileSize
     /// The pixels that ask, by tiles of the visibility buffer, none twice; all of them in the view and answered.
     std::span<const farfield::TileRequest> tiles;
-    float within_m = 120.0f;  ///< depth from which on mirrors but water show nothing
-    bool water = true;        ///< whether water is asked for
+    float within_m = 120.0f;      ///< depth from which on mirrors but water show nothing
+    float water_beyond_m = 0.0f;  ///< depth up to which water does not ask
 };
 
 /// A plane with mirrors in it.

@@ -3,6 +3,12 @@
 #include "engine/effects/registry.h"
 
 namespace ff::effects {
+namespace {
+
+/// From farther away water mirrors the sky alone.
+constexpr double kWaterMirrorsWithinM = 1500.0;
+
+}  // namespace
 
 std::vector<DBox3> find_material(const scene::StaticScene& scene, std::uint32_t flags) {
     std::vector<DBox3> boxes;
@@ -20,7 +26,7 @@ Decision decide_reflections(const Conditions& conditions) {
     if (facts.water.empty() && facts.mirrors.empty()) return {State::off, "nothing mirrors"};
     if (conditions.by_opengl) return {State::off, "the rasteriser mirrors the sky alone"};
     if (conditions.reflection_rays == 0) return {State::off, "it has no rays"};
-    if (is_any_within(facts.water, conditions.eye, kWavesWithinM)) return {State::active, "open water is near"};
+    if (is_any_within(facts.water, conditions.eye, kWaterMirrorsWithinM)) return {State::active, "open water is near"};
     if (is_any_within(facts.mirrors, conditions.eye, double(conditions.reflections_within_m)))
         return {State::active, "glass or metal is near"};
     return {State::idle, "no mirror is near"};

@@ -27,9 +27,6 @@ struct SceneFacts {
 /// Whether one of the boxes is nearer to the eye.
 [[nodiscard]] bool is_any_within(std::span<const DBox3> boxes, const WorldPos& eye, double within_m);
 
-/// Farther away all waves are smaller than pixels, and the mirror is as rough as it gets.
-inline constexpr double kWavesWithinM = 1500.0;
-
 /// What decisions read: the scene, this frame's light and air, the viewer, and what the user wants.
 struct Conditions {
     const scene::StaticScene& scene;
@@ -44,6 +41,7 @@ struct Conditions {
     float lamps_within_m = 0.0f;
     std::uint64_t reflection_rays = 0;
     float reflections_within_m = 0.0f;
+    float water_within_m = 0.0f;
     float wind_within_m = 0.0f;
     Hearing hearing;
     Simulations simulations;

@@ -100,6 +100,12 @@ Status check_settings(const FrameSettings& settings) {
     if (!(settings.lamps_within_m >= 0.0f && settings.lamps_within_m <= 1e5f))
         return bad_input(
             fmt::format("settings: lamps_within_m {}; expected metres in [0, 100000]", settings.lamps_within_m));
+    if (!(settings.air_error >= 0.0f && settings.air_error <= 0.1f))
+        return bad_input(
+            fmt::format("settings: air_error {}; expected a share of a pixel's range in [0, 0.1]", settings.air_error));
+    if (!(settings.water_within_m >= 0.0f && settings.water_within_m <= 1e5f))
+        return bad_input(
+            fmt::format("settings: water_within_m {}; expected metres in [0, 100000]", settings.water_within_m));
     if (!(settings.wind_within_m >= 0.0f && settings.wind_within_m <= 1000.0f))
         return bad_input(
             fmt::format("settings: wind_within_m {}; expected metres in [0, 1000]", settings.wind_within_m));

@@ -41,6 +41,8 @@ struct PanoramaLook {
     bool sun_shadows = false;
     float fog_density_per_m = 0.0f, lamps_within_m = 0.0f;
     float reflections_within_m = 0.0f;  ///< 0: mirrors show the sky alone
+    float air_error = 0.0f, water_within_m = 0.0f;
+    bool water_is_rough = false;
     scene::Atmosphere atmosphere;
     scene::Weather weather;
 

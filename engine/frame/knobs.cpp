@@ -47,6 +47,11 @@ constexpr std::array kLampDistances{KnobValue{1600}, KnobValue{400}, KnobValue{2
                                     KnobValue{100},  KnobValue{50},  KnobValue{0, "none"}};
 constexpr std::array kReflectionRays{KnobValue{400'000}, KnobValue{96'000}, KnobValue{24'000}, KnobValue{6'000},
                                      KnobValue{0, "none"}};
+constexpr std::array kAirErrors{KnobValue{0.0, "all air"},          KnobValue{1.0 / 512.0, "half a level"},
+                                KnobValue{1.0 / 128.0, "2 levels"}, KnobValue{1.0 / 64.0, "4 levels"},
+                                KnobValue{1.0 / 32.0, "8 levels"},  KnobValue{1.0 / 16.0, "16 levels"}};
+constexpr std::array kWaterDistances{KnobValue{1500}, KnobValue{600}, KnobValue{250},
+                                     KnobValue{100},  KnobValue{40},  KnobValue{0, "none"}};
 constexpr std::array kWindDistances{KnobValue{120}, KnobValue{60}, KnobValue{30}, KnobValue{15}, KnobValue{0, "none"}};
 constexpr std::array kFallDensities{KnobValue{1.0}, KnobValue{0.5}, KnobValue{0.25}, KnobValue{0, "none"}};
 constexpr std::array kChecks{KnobValue{1, "on"}, KnobValue{0, "off"}};
@@ -128,6 +133,22 @@ const std::array kKnobs{
          .set = [](FrameSettings& s, double v) { s.reflection_rays = std::uint64_t(v); },
          .scope = KnobScope::all,
          .needs_mirrors = true},
+    Knob{.name = "air_error",
+         .unit = "",
+         .about = "Air in front of a surface is left out where it changes a pixel by less than this.",
+         .default_value = 1.0 / 512.0,
+         .values = kAirErrors,
+         .set = [](FrameSettings& s, double v) { s.air_error = float(v); },
+         .scope = KnobScope::all,
+         .needs_air = true},
+    Knob{.name = "water_within",
+         .unit = "m",
+         .about = "Water farther from the viewer than this has no waves of its own.",
+         .default_value = 1500.0,
+         .values = kWaterDistances,
+         .set = [](FrameSettings& s, double v) { s.water_within_m = float(v); },
+         .scope = KnobScope::all,
+         .needs_water = true},
     Knob{.name = "wind_within",
          .unit = "m",
          .about = "Leaves farther from the viewer than this stand still in the wind.",

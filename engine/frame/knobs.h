@@ -39,6 +39,8 @@ struct Knob {
     bool needs_sun = false;      ///< only where the scene's sun casts shadows
     bool needs_lamps = false;    ///< only where the scene has lamps
     bool needs_mirrors = false;  ///< only where the scene has water or what mirrors
+    bool needs_air = false;      ///< only where the scene has an atmosphere or fog
+    bool needs_water = false;    ///< only where the scene has open water
     bool needs_weather = false;  ///< only where rain or snow falls in the scene
     bool needs_wind = false;     ///< only where wind blows in foliage
 

@@ -51,6 +51,8 @@ struct FramePlan {
     bool keep_ids = false;
     float prelit_beyond_m = 0.0f;
     float lamps_within_m = 0.0f;
+    float air_error = 0.0f;
+    float water_within_m = 0.0f;  ///< nearer water has waves, and never rests
     std::uint64_t reflection_rays = 0;
     float reflections_within_m = 0.0f;
     double sun_elevation_deg = 0.0;

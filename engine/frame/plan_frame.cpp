@@ -81,7 +81,7 @@ void look_ahead(const scene::StaticScene& scene, const FramePlan& plan, const Fr
 
 void decide_effects(const scene::StaticScene& scene, const effects::SceneFacts& facts, const FrameSettings& settings,
                     FramePlan& plan) {
-    using effects::EffectId;
+    using effects::EffectId, effects::State;
     const auto sun_shadows = settings.sun_shadows == SunShadows::by_scene
                                  ? std::nullopt
                                  : std::optional(settings.sun_shadows == SunShadows::on);
@@ -97,6 +97,7 @@ void decide_effects(const scene::StaticScene& scene, const effects::SceneFacts& 
                                             .lamps_within_m = settings.lamps_within_m,
                                             .reflection_rays = settings.reflection_rays,
                                             .reflections_within_m = settings.reflections_within_m,
+                                            .water_within_m = settings.water_within_m,
                                             .wind_within_m = settings.wind_within_m,
                                             .hearing = settings.hearing,
                                             .simulations = settings.simulations,
@@ -112,12 +113,14 @@ void decide_effects(const scene::StaticScene& scene, const effects::SceneFacts& 
                  .light = sky != nullptr ? sky->light_side : plan.environment.sky_horizon,
                  .by_film = sky != nullptr && plan.environment.panorama_width == 0};
     plan.lamps_within_m = plan.effects.is_active(EffectId::lamps) ? settings.lamps_within_m : 0.0f;
+    plan.air_error = settings.air_error;
+    plan.water_within_m = plan.effects[EffectId::water].state != State::off ? settings.water_within_m : 0.0f;
     if (plan.effects.is_active(EffectId::reflections)) plan.reflection_rays = settings.reflection_rays;
     plan.reflections_within_m = settings.reflections_within_m;
     plan.sun_elevation_deg = degrees_of(std::asin(std::clamp(double(plan.environment.to_sun.y), -1.0, 1.0)));
     if (!plan.effects.is_active(EffectId::fog)) plan.environment.fog_density_per_m = 0.0f;
     // Casters look past blended surfaces that are drawn as layers, also where none is near.
-    const bool has_layers = plan.effects[EffectId::transparency].state != effects::State::off;
+    const bool has_layers = plan.effects[EffectId::transparency].state != State::off;
     plan.view.blend_within_m = has_layers ? settings.blend_within_m : 0.0f;
     plan.sun_shadows = plan.effects.is_active(EffectId::sun_shadows);
     if (plan.effects.is_active(EffectId::wind))

@@ -28,6 +28,9 @@ struct Rectangle {
     int left, top, width, height;
 };
 
+/// Nothing in a face of the panorama is farther away than so many times its depth: it has waves by the distance.
+constexpr float kDepthDistance = 1.7321f;
+
 /// Around tiles, of which there is at least one.
 Rectangle bounds_of(std::span<const TileRequest> tiles) {
     int left = tiles[0].x, top = tiles[0].y, right = left, bottom = top;
@@ -205,7 +208,7 @@ const shading::Reflections* find_reflections_of_panorama(const FramePlan& plan, 
                                      .top = part.top,
                                      .tiles = texels,
                                      .within_m = plan.reflections_within_m,
-                                     .water = false};
+                                     .water_beyond_m = plan.water_within_m / kDepthDistance};
     find_mirrors(input, kPanoramaRays * plan.reflection_rays, work);
     return show(plan, tools, input, history, work, stats);
 }

@@ -1,6 +1,7 @@
 #include "engine/frame/restless_mirrors.h"
 
 #include <bit>
+#include <optional>
 
 #include "engine/core/jobs.h"
 #include "engine/effects/mirrored_motion.h"
@@ -20,6 +21,7 @@ class RestTest {
         : seen_(history.visibility),
           static_instances_(std::uint32_t(scene.instances.size())),
           within_m_(plan.reflections_within_m),
+          waves_within_m_(plan.water_within_m),
           kind_of_(scene, plan.dynamic),
           motion_(scene, plan.view, history.mirrored),
           any_moves_(!history.mirrored.empty()) {}
@@ -30,7 +32,6 @@ class RestTest {
         is_begun_ = false;
         instance_ = farfield::kSkyInstance;
         kind_ = effects::MirrorKind::none;
-        rest_ = Rest::no_mirror;
     }
 
     Rest operator()(std::size_t at) {
@@ -39,10 +40,15 @@ class RestTest {
             instance_ = instance;
             triangle_ = triangle;
             kind_ = kind_of_(instance, triangle);
-            rest_ = kind_ == effects::MirrorKind::none ? Rest::no_mirror : find(instance, triangle);
+            rest_.reset();
         }
-        const bool is_faded = kind_ == effects::MirrorKind::glass && !(seen_.depth[at] < within_m_);
-        return is_faded ? Rest::no_mirror : rest_;
+        if (kind_ == effects::MirrorKind::none) return Rest::no_mirror;
+        const bool is_water = kind_ == effects::MirrorKind::water;
+        const bool is_near = seen_.depth[at] < (is_water ? waves_within_m_ : within_m_);
+        if (is_water && is_near) return Rest::restless;  // waves move
+        if (!is_water && !is_near) return Rest::no_mirror;
+        if (!rest_) rest_ = find(instance, triangle);
+        return *rest_;
     }
 
     /// Whether none of a row's pixels can be a mirror: they show no instance that has any.
@@ -57,7 +63,7 @@ class RestTest {
 
   private:
     Rest find(std::uint32_t instance, std::uint32_t triangle) {
-        if (instance >= static_instances_ || kind_ == effects::MirrorKind::water) return Rest::restless;
+        if (instance >= static_instances_) return Rest::restless;
         if (!any_moves_) return Rest::at_rest;
         if (!is_begun_) motion_.begin_tile(x_, y_);
         is_begun_ = true;
@@ -66,17 +72,17 @@ class RestTest {
 
     const farfield::VisibilityBuffer& seen_;
     std::uint32_t static_instances_;
-    float within_m_;
+    float within_m_, waves_within_m_;
     effects::MirrorTest kind_of_;
     effects::MirroredMotion motion_;
     bool any_moves_;
     int x_ = 0, y_ = 0;
     bool is_begun_ = false;                         ///< few tiles have any mirror
     std::uint32_t plain_ = farfield::kSkyInstance;  ///< without mirrors
-    // The last answer, as neighbours see the same: what a mirror's depth leaves of it.
+    // The last answer, as neighbours see the same: of a mirror whose depth leaves it a mirror.
     std::uint32_t instance_ = farfield::kSkyInstance, triangle_ = 0;
     effects::MirrorKind kind_ = effects::MirrorKind::none;
-    Rest rest_ = Rest::no_mirror;
+    std::optional<Rest> rest_;
 };
 
 /// Leaves those pixels of a mask of which keeps(Rest) is true.

@@ -240,6 +240,9 @@ void begin_panorama(const FramePlan& plan, FrameHistory& history) {
                             .fog_density_per_m = light.fog_density_per_m,
                             .lamps_within_m = plan.lamps_within_m,
                             .reflections_within_m = reflects ? plan.reflections_within_m : 0.0f,
+                            .air_error = plan.air_error,
+                            .water_within_m = plan.water_within_m,
+                            .water_is_rough = plan.effects[effects::EffectId::water].state != effects::State::off,
                             .atmosphere = light.atmosphere,
                             .weather = light.weather};
     if (history.panorama_look != look || !is_near(history.panorama_light.oldest_sun, light.to_sun)) {

@@ -62,6 +62,12 @@ struct FrameSettings {
     double time_s = 0.0;                    ///< of the game, for what moves by itself: drops, flakes, waves
     /// Lamps farther from the eye than this light nothing. Metres, [0, 100,000]; 0: none does.
     float lamps_within_m = 400.0f;
+    /// Air in front of a surface is left out where it changes no channel of the pixel by more than this, of 1. [0,
+    /// 0.1]; the usual one is half a level of 255; 0: air is everywhere.
+    float air_error = 1.0f / 512.0f;
+    /// Water farther from the eye than this is as rough as waves make it, but has none, and rests while the viewer
+    /// does. Metres, [0, 100,000]; 0: none has.
+    float water_within_m = 1500.0f;
     /// Leaves farther from the eye than this stand still, whatever wind there is. Metres, [0, 1000]; 0: all do.
     float wind_within_m = 60.0f;
     float fall_density = 1.0f;  ///< share of drops and flakes that are drawn. [0, 1]

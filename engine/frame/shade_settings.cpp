@@ -22,15 +22,18 @@ shading::ShadeSettings shade_settings(const FramePlan& plan, const Tools& tools,
         tools.facts.lamps->find_lit(view, plan.sun_elevation_deg, plan.lamps_within_m, history.lamps);
     }
     const scene::Weather& weather = plan.environment.weather;
-    const bool has_waves = plan.effects.is_active(effects::EffectId::water);
+    // Also where none is near enough to have them: there it is as rough.
+    const bool has_waves = plan.effects[effects::EffectId::water].state != effects::State::off;
     if (has_waves) history.waves = shading::make_waves(view.position, weather, plan.fall.time_s);
     return {.prelit_beyond_m = plan.prelit_beyond_m,
             .sun_seen = sun_seen,
             .lamps = history.lamps,
             .waves = has_waves ? &history.waves : nullptr,
+            .waves_within_m = plan.water_within_m,
             .reflections = reflections,
             .wet = std::min(1.0f, kWetPerRain * weather.rain),
-            .snow_cover = std::min(1.0f, kCoverPerSnow * weather.snow)};
+            .snow_cover = std::min(1.0f, kCoverPerSnow * weather.snow),
+            .air_error = plan.air_error};
 }
 
 }  // namespace ff::frame

@@ -199,8 +199,14 @@ LayerCounts blend_layers(const farfield::LayerScene& scene, const PinholeView& v
     }
     const std::span<const scene::Instance> dynamic =
         scene.dynamic != nullptr ? scene.dynamic->instances : std::span<const scene::Instance>();
-    const ShadeFrame frame{scene.scene,        dynamic,        view,
-                           scratch.visibility, layer_settings, make_uniforms(scene.scene.environment, view),
+    const ShadingUniforms uniforms = make_uniforms(scene.scene.environment, view);
+    const ShadeFrame frame{scene.scene,
+                           dynamic,
+                           view,
+                           scratch.visibility,
+                           layer_settings,
+                           uniforms,
+                           make_near_air(uniforms, settings.air_error),
                            scratch.image};
     const farfield::beam::BeamView beam_view(view);
     std::atomic<std::uint64_t> shaded{0}, sun_rays{0};

@@ -15,6 +15,7 @@ struct ShadeFrame {
     const farfield::VisibilityBuffer& visibility;
     ShadeSettings settings;
     ShadingUniforms uniforms;
+    NearAir near_air;
     Image& out;
 
     /// nullptr: no such instance.

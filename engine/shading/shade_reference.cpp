@@ -195,6 +195,18 @@ DVec3 behind_air(const ShadingUniforms& uniforms, const DVec3& color, double dis
     return glm::mix(air, color, glm::exp(-depth));
 }
 
+/// Whether air changes a surface's colour too little to be seen. @param d  unit
+bool needs_no_air(const ShadingUniforms& uniforms, const NearAir& near, const DVec3& color, double distance_m,
+                  const DVec3& d) {
+    const double high = std::max({color.x, color.y, color.z}), low = std::min({color.x, color.y, color.z});
+    const double phase = std::pow(double(kHazeSquare) - double(kHazeTwice) * glm::dot(d, DVec3(uniforms.to_sun)), -1.5);
+    const double bright = std::min(near.bright + near.ahead * phase, double(near.brightest));
+    const double contrast = std::max({bright - low, high - near.darkest, double(kLeastAirContrast)});
+    const double shown = std::max(low - near.spread * (high - low), 0.0);
+    return distance_m < near.reach_m &&
+           distance_m * contrast < near.clear_m * std::max(std::sqrt(shown), double(near.root));
+}
+
 /// @param d  unit
 DVec3 sky_color(const ShadingUniforms& uniforms, const scene::Environment& environment, const DVec3& d) {
     if (uniforms.panorama_size.x > 0.0f) {
@@ -267,10 +279,11 @@ DVec3 lamp_light(std::span<const LampLight> lamps, const DVec3& at, const DVec3&
 }
 
 /// Slopes of waves along x and z, and the variance of those that a pixel is too wide to see.
-DVec3 wave_slopes(const Waves& waves, const DVec3& at, double pixel_m) {
+DVec3 wave_slopes(const Waves& waves, const DVec3& at, double pixel_m, double within_m) {
     DVec3 sum(0.0);
+    const double near = clamp01((1.0 - glm::length(at) / std::max(within_m, 1e-3)) / (1.0 - double(kWavesFade)));
     for (const Wave& wave : waves) {
-        const double seen = clamp01(2.0 - pixel_m * 2.0 / double(kWaveGone * wave.length_m));
+        const double seen = near * clamp01(2.0 - pixel_m * 2.0 / double(kWaveGone * wave.length_m));
         const double slope = double(wave.slope) * seen * std::cos(wave.x * at.x + wave.z * at.z + wave.phase) *
                              wave.length_m / (2.0 * kPi);
         sum += DVec3(slope * wave.x, slope * wave.z, 0.5 * double(wave.slope * wave.slope) * (1.0 - seen * seen));
@@ -373,7 +386,8 @@ DVec3 surface_color(const StaticScene& scene, const ShadingUniforms& uniforms, c
     double unseen = 0.0;
     const DVec3 flat = normal;
     if (has_waves) {
-        const DVec3 slopes = wave_slopes(*settings.waves, depth * direction, kWaterStretch * depth * pixel_angle);
+        const DVec3 slopes = wave_slopes(*settings.waves, depth * direction, kWaterStretch * depth * pixel_angle,
+                                         double(settings.waves_within_m));
         const double strength = material.wave_strength();
         normal = glm::normalize(normal - strength * DVec3(slopes.x, 0.0, slopes.y));
         unseen = strength * strength * slopes.z;
@@ -438,7 +452,8 @@ DVec3 ray_direction(const PinholeView& view, int x, int y) {
 Vec3 shade_reference(const StaticScene& scene, std::span<const scene::Instance> dynamic, const PinholeView& view, int x,
                      int y, std::uint32_t instance, std::uint32_t triangle, float depth,
                      const ShadeSettings& settings) {
-    const ShadingUniforms uniforms = make_uniforms(scene.environment, view);
+    ShadingUniforms uniforms = make_uniforms(scene.environment, view);
+    if (settings.plain_srgb) uniforms.panorama_size.w = 0.0f;
     const DVec3 direction = ray_direction(view, x, y);
     DVec3 color;
     if (instance == farfield::kSkyInstance) {
@@ -453,11 +468,13 @@ Vec3 shade_reference(const StaticScene& scene, std::span<const scene::Instance> 
                     ? prelit_color(scene, uniforms, seen, sun_seen)
                     : surface_color(scene, uniforms, seen, view, direction, depth, sun_seen, settings);
         const double distance_m = depth * glm::length(direction);
-        color = uniforms.panorama_size.z > 0.0f
-                    ? behind_air(uniforms, color, distance_m, glm::normalize(direction))
-                    : glm::mix(DVec3(uniforms.horizon), color, std::exp(-double(uniforms.to_sun.w) * distance_m));
+        const NearAir near = make_near_air(uniforms, settings.air_error);
+        if (!needs_no_air(uniforms, near, color, distance_m, glm::normalize(direction)))
+            color = uniforms.panorama_size.z > 0.0f
+                        ? behind_air(uniforms, color, distance_m, glm::normalize(direction))
+                        : glm::mix(DVec3(uniforms.horizon), color, std::exp(-double(uniforms.to_sun.w) * distance_m));
     }
-    return Vec3(encode_color(color, uniforms.panorama_size.w > 0.0f && !settings.plain_srgb));
+    return Vec3(encode_color(color, uniforms.panorama_size.w > 0.0f));
 }
 
 double reference_lod(const StaticScene& scene, std::span<const scene::Instance> dynamic, const PinholeView& view, int x,

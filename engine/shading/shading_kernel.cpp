@@ -194,10 +194,18 @@ struct Slopes {
     VF x, z, unseen;
 };
 
-/// @param at       relative to the viewer
-/// @param pixel_m  how wide the pixels are there
-HWY_INLINE Slopes wave_slopes(const Waves& waves, const V3& at, VF pixel_m) {
+/// @param at        relative to the viewer
+/// @param pixel_m   how wide the pixels are there
+/// @param within_m  there are none beyond
+HWY_INLINE Slopes wave_slopes(const Waves& waves, const V3& at, VF pixel_m, float within_m) {
     Slopes sum = {hn::Zero(df), hn::Zero(df), hn::Zero(df)};
+    constexpr float kFade = 1.0f / (1.0f - kWavesFade);
+    const VF near =
+        clamp01(hn::NegMulAdd(hn::Sqrt(dot(at, at)), splat(kFade / std::max(within_m, 1e-3f)), splat(kFade)));
+    if (hn::AllFalse(df, hn::Gt(near, hn::Zero(df)))) {
+        for (const Wave& wave : waves) sum.unseen = hn::Add(sum.unseen, splat(0.5f * wave.slope * wave.slope));
+        return sum;
+    }
     for (const Wave& wave : waves) {
         constexpr float kPerRadian = 0.159154943f;
         const VF turns = hn::Mul(hn::MulAdd(at.x, splat(wave.x), hn::MulAdd(at.z, splat(wave.z), splat(wave.phase))),
@@ -208,7 +216,8 @@ HWY_INLINE Slopes wave_slopes(const Waves& waves, const V3& at, VF pixel_m) {
         VF sine = hn::MulAdd(q2, splat(-76.70586f), splat(81.60525f));
         sine = hn::MulAdd(q2, sine, splat(-41.34170f));
         sine = hn::Mul(q, hn::MulAdd(q2, sine, splat(6.283185f)));
-        const VF seen = clamp01(hn::NegMulAdd(pixel_m, splat(2.0f / (kWaveGone * wave.length_m)), splat(2.0f)));
+        const VF wide = clamp01(hn::NegMulAdd(pixel_m, splat(2.0f / (kWaveGone * wave.length_m)), splat(2.0f)));
+        const VF seen = hn::Mul(near, wide);
         const VF slope = hn::Mul(hn::Mul(seen, sine), splat(wave.slope * wave.length_m * kPerRadian));
         sum.x = hn::MulAdd(slope, splat(wave.x), sum.x);
         sum.z = hn::MulAdd(slope, splat(wave.z), sum.z);
@@ -288,7 +297,7 @@ HWY_INLINE Rgb shade_surface(const ShadeFrame& frame, const Records<kOneTriangle
             const V3 at = scale(depth, rays.directions(frame.view));
             const VF pixel_m = hn::Mul(depth, splat(kWaterStretch * frame.view.pixel_angle()));
             const VF strength = records.quad(kQuadSpecular).a;
-            const Slopes slopes = wave_slopes(*frame.settings.waves, at, pixel_m);
+            const Slopes slopes = wave_slopes(*frame.settings.waves, at, pixel_m, frame.settings.waves_within_m);
             const V3 bent =
                 normalized({hn::NegMulAdd(slopes.x, strength, n.x), n.y, hn::NegMulAdd(slopes.z, strength, n.z)});
             n = {hn::IfThenElse(water, bent.x, n.x), hn::IfThenElse(water, bent.y, n.y),
@@ -383,6 +392,28 @@ HWY_INLINE Rgb shade_surface(const ShadeFrame& frame, const Records<kOneTriangle
     return select(unlit, color, soft_clip(color));
 }
 
+/// Surfaces behind fog or an atmosphere, those within reach of NearAir only where it shows.
+HWY_INLINE Rgb behind_air_or_fog(const ShadeFrame& frame, const Rays& rays, const Rgb& color, VF depth, MF is_sky) {
+    const VF distance = hn::Mul(depth, hn::Sqrt(rays.length_squared));
+    const bool has_atmosphere = frame.uniforms.panorama_size.z > 0.0f;
+    MF clear = hn::Lt(distance, splat(frame.near_air.reach_m));
+    const bool any_near = !hn::AllFalse(df, clear);
+    V3 d = {hn::Zero(df), hn::Zero(df), hn::Zero(df)};
+    if (has_atmosphere) d = rays.unit_directions(frame.view);
+    if (any_near) {
+        clear = needs_no_air(frame.uniforms, frame.near_air, color, distance, d.x, d.y, d.z);
+        if (hn::AllTrue(df, hn::Or(clear, is_sky))) return color;
+    }
+    Rgb seen;
+    if (has_atmosphere) {
+        seen = behind_air(frame.uniforms, color, distance, d.x, d.y, d.z);
+    } else {
+        const VF through = exp_negative(hn::Mul(distance, splat(frame.uniforms.to_sun.w)));
+        seen = mix(splat(frame.uniforms.horizon), color, through);
+    }
+    return any_near ? select(clear, color, seen) : seen;
+}
+
 /// The set-up of a tile's triangles.
 void set_up_triangles(const ShadeFrame& frame, TileNeeds needs, RawBlock& raw, TileScratch& scratch) {
     prefetch_vertices(frame, scratch.names, scratch.count);
@@ -449,8 +480,7 @@ std::uint64_t shade_tile(const ShadeFrame& frame, const farfield::TileRequest& t
     const int lanes = int(hn::Lanes(df));
     const std::uint32_t lane_bits = lanes == 32 ? 0xFFFFFFFFu : (1u << lanes) - 1u;
     const VF prelit_beyond = splat(frame.settings.prelit_beyond_m);
-    const bool has_air = frame.uniforms.panorama_size.z > 0.0f;
-    const bool has_fog = !has_air && frame.uniforms.to_sun.w > 0.0f;
+    const bool has_air = frame.uniforms.panorama_size.z > 0.0f || frame.uniforms.to_sun.w > 0.0f;
     for (int j = 0; j < row_count; ++j) {
         const std::size_t first = frame.visibility.index(x0, y0 + j);
         prefetch_row(frame, next, j);
@@ -494,16 +524,7 @@ std::uint64_t shade_tile(const ShadeFrame& frame, const farfield::TileRequest& t
                     }
                     color = select(far, prelit, color);
                 }
-                if (has_fog) {
-                    const VF distance = hn::Mul(depth, hn::Sqrt(rays.length_squared));
-                    const VF clear = exp_negative(hn::Mul(distance, splat(frame.uniforms.to_sun.w)));
-                    color = mix(splat(frame.uniforms.horizon), color, clear);
-                }
-                if (has_air) {
-                    const V3 d = rays.unit_directions(view);
-                    const VF distance = hn::Mul(depth, hn::Sqrt(rays.length_squared));
-                    color = behind_air(frame.uniforms, color, distance, d.x, d.y, d.z);
-                }
+                if (has_air) color = behind_air_or_fog(frame, rays, color, depth, is_sky);
                 if (!hn::AllFalse(df, is_sky)) {
                     const V3 d = rays.unit_directions(view);
                     color = select(is_sky, sky_color(frame.uniforms, frame.scene.environment, d.x, d.y, d.z), color);

@@ -23,6 +23,55 @@ DVec3 encode_color(const DVec3& linear, bool by_film) {
     return encoded;
 }
 
+namespace {
+
+/// Bounds of the light of the atmosphere that surfaces fade into: that of the sky's lowest row.
+void bound_air(const ShadingUniforms& uniforms, NearAir& near) {
+    const scene::SkyTable::Row& row = uniforms.sky_rows[0];
+    const float least_phase = 1.0f / ((1.0f + kMieG) * (1.0f + kMieG) * (1.0f + kMieG));
+    near.brightest = near.darkest = 1.0f;  // as it is shown
+    for (int k = 0; k < 3; ++k) {
+        const float rayleigh = row.rayleigh[k], rayleigh_grows = std::abs(row.rayleigh_sunward[k]);
+        const float haze = row.mie[k], haze_grows = std::abs(row.mie_sunward[k]);
+        const float again = row.again()[k], again_grows = again * std::abs(row.again_sunward());
+        const float night = uniforms.night[k];
+        near.bright = std::max(near.bright, 2.0f * (rayleigh + rayleigh_grows) + again + again_grows + night);
+        near.ahead = std::max(near.ahead, haze + haze_grows);
+        const float least = std::max(0.0f, rayleigh - rayleigh_grows) +
+                            std::max(0.0f, haze - haze_grows) * least_phase + std::max(0.0f, again - again_grows) +
+                            night;
+        near.darkest = std::min(near.darkest, 1.0f - std::exp(-least * (1.0f + 0.5f * least)));
+    }
+}
+
+float largest(const Vec4& color) {
+    return std::max({color.x, color.y, color.z});
+}
+
+}  // namespace
+
+NearAir make_near_air(const ShadingUniforms& uniforms, float air_error) {
+    const bool has_atmosphere = uniforms.panorama_size.z > 0.0f, by_film = uniforms.panorama_size.w > 0.0f;
+    const float per_m = has_atmosphere ? largest(uniforms.air + uniforms.haze_air) : uniforms.to_sun.w;
+    if (!(per_m > 0.0f) || !(air_error > 0.0f)) return {};
+    NearAir near{.root = air_error / kEncodeSlope, .spread = by_film ? kFilmColor - 1.0f : 0.0f};
+    // Film pulls channels apart: each changes by what it and the luminance do.
+    near.clear_m = near.root / (per_m * (1.0f + 2.0f * near.spread));
+    const auto reach = [&] { return near.clear_m * std::max(1.0f, near.root) / kLeastAirContrast; };
+    near.reach_m = reach();
+    if (!has_atmosphere) {
+        near.bright = near.brightest = largest(uniforms.horizon);
+        near.darkest = std::min({uniforms.horizon.x, uniforms.horizon.y, uniforms.horizon.z});
+        return near;
+    }
+    bound_air(uniforms, near);  // shown, it is no brighter than it is
+    // Who looks down looks into denser air: by this, at most, in the mean of the way.
+    const float heights = std::min(near.reach_m / kMieHeightM, 1.0f);
+    near.clear_m *= heights / std::expm1(heights);
+    near.reach_m = std::min(reach(), kMieHeightM);
+    return near;
+}
+
 ShadingUniforms make_uniforms(const scene::Environment& environment, const PinholeView& view) {
     const Vec3 zenith = environment.sky_zenith, horizon = environment.sky_horizon;
     // Light on surfaces that face up, sideways and down; a parabola in the normal's height goes through all three.

@@ -73,6 +73,32 @@ struct alignas(16) ShadingUniforms {
 };
 static_assert(sizeof(ShadingUniforms) == (13 + 4 * scene::SkyTable::kRows) * 16);
 
+/// Where air is so thin that a surface may be shown without it: its colour would change by less than
+/// ShadeSettings::air_error. A matter of each pixel's ray and colour alone, so that it is the same whoever shades the
+/// pixel, in whichever tile.
+///
+/// Air mixes a colour c with its own light a by 1 - exp(-x), x the optical depth: each channel changes by at most |a -
+/// c| x. As pixels hold it, by sRGB or by film, a channel changes at most kEncodeSlope times as much as the square root
+/// of its light. The root of a light y that changes by d changes by at most d / sqrt(y), and by at most sqrt(d). So
+/// with e = air_error / kEncodeSlope it is enough that |a - c| x < e max(sqrt(y), e), with the largest |a - c| and x
+/// and the smallest y of all channels.
+struct NearAir {
+    float reach_m = 0.0f;  ///< farther away no colour is shown without air; 0: none ever is
+    float clear_m = 0.0f;  ///< e over the optical depth of a metre
+    float root = 0.0f;     ///< e
+    /// The air's light is at most bright + ahead p in each channel, p the haze's phase function, and at most brightest;
+    /// and at least darkest.
+    float bright = 0.0f, ahead = 0.0f, brightest = 0.0f, darkest = 0.0f;
+    float spread = 0.0f;  ///< film darkens the darkest channel by so much of what the brightest is above it
+};
+/// |a - c| is never taken to be less: so that what is far away is known at once to need its air.
+inline constexpr float kLeastAirContrast = 0.1f;
+/// Largest slope of kEncode's, sRGB's and kFilm's values by the square root of linear light.
+inline constexpr float kEncodeSlope = 1.52f;
+
+/// @param air_error  as ShadeSettings has it
+[[nodiscard]] NearAir make_near_air(const ShadingUniforms& uniforms, float air_error);
+
 /// A colour as pixels hold it, [0, 1]: by sRGB, or by film as uniforms.panorama_size.w says.
 /// @param linear  any values
 [[nodiscard]] DVec3 encode_color(const DVec3& linear, bool by_film);

@@ -33,8 +33,9 @@ std::uint64_t shade_tiles(const scene::StaticScene& scene, std::span<const scene
              visibility.width, visibility.height, view.width, view.height);
     FF_CHECK(std::isinf(settings.prelit_beyond_m) || !scene.prelit_colors.empty(),
              "prelit beyond {} m, but the scene has no prelit colours", settings.prelit_beyond_m);
-    ShadeFrame frame{scene, dynamic, view, visibility, settings, make_uniforms(scene.environment, view), out};
+    ShadeFrame frame{scene, dynamic, view, visibility, settings, make_uniforms(scene.environment, view), {}, out};
     if (settings.plain_srgb) frame.uniforms.panorama_size.w = 0.0f;
+    frame.near_air = make_near_air(frame.uniforms, settings.air_error);
     std::atomic<std::uint64_t> pixels{0};
     parallel_ranges(tiles.size(), kTilesPerTask, [&](std::size_t begin, std::size_t end) {
         TileScratch scratch;

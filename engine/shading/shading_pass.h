@@ -33,10 +33,15 @@ struct ShadeSettings {
     const std::uint8_t* sun_seen = nullptr;
     /// Lit lamps, the nearest first. Prelit triangles know none; nor do walls between a lamp and a surface.
     std::span<const LampLight> lamps;
-    const Waves* waves = nullptr;              ///< of open water; nullptr: it is still
+    const Waves* waves = nullptr;  ///< of open water; nullptr: it is still
+    /// Water farther from the eye than this is as rough as waves make it, without any; from kWavesFade of it on they
+    /// fade. Metres.
+    float waves_within_m = std::numeric_limits<float>::infinity();
     const Reflections* reflections = nullptr;  ///< nullptr: mirrors show the sky alone
     /// How wet and how snowed over is what faces up, [0, 1]; prelit triangles stay as they are.
     float wet = 0.0f, snow_cover = 0.0f;
+    /// Air is left out where it changes no channel by more than this, of 1 as pixels hold it. [0, 0.1]; 0: nowhere.
+    float air_error = 0.0f;
     bool plain_srgb = false;  ///< also with an atmosphere, whose pictures are encoded by kFilm: a mirror's own image
 };
 

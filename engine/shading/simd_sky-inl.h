@@ -192,6 +192,21 @@ HWY_INLINE Rgb behind_air(const ShadingUniforms& uniforms, const Rgb& color, VF 
             hn::MulAdd(hn::Sub(color.b, air.b), b, air.b)};
 }
 
+/// Lanes whose colours air changes too little to be seen (NearAir). d: unit directions.
+HWY_INLINE MF needs_no_air(const ShadingUniforms& uniforms, const NearAir& near, const Rgb& color, VF distance_m, VF x,
+                           VF y, VF z) {
+    const VF high = hn::Max(hn::Max(color.r, color.g), color.b), low = hn::Min(hn::Min(color.r, color.g), color.b);
+    VF bright = splat(near.bright);
+    if (near.ahead > 0.0f)
+        bright =
+            hn::Min(hn::MulAdd(TowardSun(uniforms, x, y, z).mie, splat(near.ahead), bright), splat(near.brightest));
+    VF contrast = hn::Max(hn::Sub(bright, low), hn::Sub(high, splat(near.darkest)));
+    contrast = hn::Max(contrast, splat(kLeastAirContrast));
+    const VF shown = hn::Max(hn::NegMulAdd(hn::Sub(high, low), splat(near.spread), low), hn::Zero(df));
+    const VF enough = hn::Mul(splat(near.clear_m), hn::Max(hn::Sqrt(shown), splat(near.root)));
+    return hn::And(hn::Lt(distance_m, splat(near.reach_m)), hn::Lt(hn::Mul(distance_m, contrast), enough));
+}
+
 /// What a mirror shows of the sky, without sun and panorama. x, y, z: unit direction.
 HWY_INLINE Rgb mirrored_sky(const ShadingUniforms& uniforms, VF x, VF y, VF z) {
     if (uniforms.panorama_size.z > 0.0f) return atmosphere_light(uniforms, TowardSun(uniforms, x, y, z), y);

@@ -19,6 +19,8 @@ using Waves = std::array<Wave, 5>;
 
 /// A pixel wider than this share of a wave's length does not see it: it roughens the mirror instead.
 inline constexpr float kWaveGone = 0.5f;
+/// Waves fade from this share of the distance on at which there are none.
+inline constexpr float kWavesFade = 0.6f;
 /// Pixels are taken to be so many times as long as wide on water, which is seen at a grazing angle.
 inline constexpr float kWaterStretch = 3.0f;
 

@@ -154,7 +154,7 @@ TEST_F(MeasureTest, a_whole_sweep_makes_a_report) {
     std::size_t expected = 0;
     for (const frame::Knob& knob : frame::knobs())
         expected += !knob.needs_gl && !knob.needs_sun && !knob.needs_lamps && !knob.needs_mirrors &&
-                    !knob.needs_weather && !knob.needs_wind;
+                    !knob.needs_water && !knob.needs_air && !knob.needs_weather && !knob.needs_wind;
     ASSERT_EQ(swept->curves.size(), expected);
     for (const KnobCurve& curve : swept->curves) {
         EXPECT_EQ(curve.points.size(), curve.knob->values.size());

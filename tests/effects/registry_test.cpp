@@ -99,6 +99,24 @@ TEST(EffectRegistry, sound_needs_something_to_be_heard_a_device_and_an_ear_nearb
     EXPECT_EQ(decide().state, State::active);
 }
 
+TEST(EffectRegistry, water_is_idle_beyond_its_distance_and_still_mirrors_there) {
+    Place place;
+    const std::vector<DBox3> water{{DVec3(-10.0, -1.0, -10.0), DVec3(10.0, 0.0, 10.0)}};
+    place.facts.water = water;
+    place.conditions.reflection_rays = 6'000;
+    place.conditions.eye = {0.0, 2.0, 110.0};
+    const auto state = [&](EffectId id) { return decide_effects(place.conditions)[id].state; };
+    place.conditions.water_within_m = 101.0f;
+    EXPECT_EQ(state(EffectId::water), State::active);
+    place.conditions.water_within_m = 99.0f;
+    EXPECT_EQ(state(EffectId::water), State::idle);
+    EXPECT_EQ(state(EffectId::reflections), State::active) << "waves are one thing, what water mirrors another";
+    place.conditions.water_within_m = 0.0f;
+    EXPECT_EQ(state(EffectId::water), State::idle);
+    place.conditions.by_opengl = true;
+    EXPECT_EQ(state(EffectId::water), State::off);
+}
+
 TEST(EffectRegistry, wind_needs_air_that_moves_and_foliage_near_the_viewer) {
     scene::SceneData data = test::make_forest({.trees = 10, .size_m = 20.0, .leaves = 10});
     scene::StaticScene scene = data.view();

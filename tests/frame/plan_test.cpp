@@ -2,7 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
+
+#include "engine/frame/check_input.h"
 #include "engine/frame/history.h"
+#include "engine/frame/knobs.h"
 #include "tests/support/worlds.h"
 
 namespace ff::frame {
@@ -41,6 +45,35 @@ TEST(Plan, a_viewer_who_rests_gets_the_panorama_filled_ahead) {
               "horizon traced, every 1 azimuths\n"
               "panorama looked up and filled ahead, up to 0.5 px\n"
               "rays as many as needed by beam\n");
+}
+
+TEST(Plan, accuracy_of_air_and_water_is_what_the_settings_say_and_nonsense_is_refused) {
+    const scene::SceneData data = test::make_city({.cells = 1});
+    const auto status_of = [&](const FrameSettings& settings) {
+        return check_frame_input(data.view(), {}, {}, settings);
+    };
+    EXPECT_TRUE(status_of({.air_error = 0.0f, .water_within_m = 0.0f}));
+    EXPECT_TRUE(status_of({.air_error = 0.1f, .water_within_m = 1e5f}));
+    for (const float bad : {-0.001f, 0.11f, std::numeric_limits<float>::quiet_NaN()}) {
+        const Status status = status_of({.air_error = bad});
+        ASSERT_FALSE(status) << bad;
+        EXPECT_NE(status.error().message.find("air_error"), std::string::npos) << status.error().message;
+    }
+    for (const float bad : {-1.0f, 2e5f, std::numeric_limits<float>::quiet_NaN()}) {
+        const Status status = status_of({.water_within_m = bad});
+        ASSERT_FALSE(status) << bad;
+        EXPECT_NE(status.error().message.find("water_within_m"), std::string::npos) << status.error().message;
+    }
+    FrameSettings settings;
+    ASSERT_TRUE(set_knob(settings, "air_error", 1.0 / 64.0));
+    EXPECT_EQ(plan_of(settings, 0).air_error, 1.0f / 64.0f);
+    ASSERT_TRUE(set_knob(settings, "water_within", 250.0));
+    EXPECT_EQ(settings.water_within_m, 250.0f);
+    for (const char* const name : {"air_error", "water_within"}) {
+        FrameSettings usual;
+        ASSERT_TRUE(set_knob(usual, name, find_knob(name)->default_value));
+        EXPECT_EQ(usual, FrameSettings{}) << name << ": the knob's default is that of the settings";
+    }
 }
 
 TEST(Plan, who_looks_through_a_spyglass_gets_no_texels_wider_than_pixels) {

@@ -82,6 +82,43 @@ TEST(reflections, fewer_rays_give_nearly_the_same_picture) {
     }
 }
 
+TEST(reflections, far_water_rests_in_the_panorama_with_what_it_mirrors) {
+    LakeWorld world;
+    world.data.materials[1].alpha_cutoff = 1.0f;  // waves
+    Casters casters(world.scene);
+    const auto settings_at = [](float within_m, int frame) {
+        return FrameSettings{.fixed_near_m = 0.0, .time_s = 0.3 * frame, .water_within_m = within_m};
+    };
+    std::uint64_t shaded[2] = {};
+    for (const bool is_far : {false, true}) {
+        Renderer renderer(world.scene, casters, nullptr, kWidth, kHeight);
+        Renderer fresh(world.scene, casters, nullptr, kWidth, kHeight);
+        shading::Image image, before, reference, sky_only;
+        double least_db = 99.0;
+        for (int f = 0; f < 12; ++f) {
+            // Nearer than 5 m the lake has waves, which take no part in what is compared far away.
+            FrameSettings settings = settings_at(is_far ? 5.0f : 1500.0f, f);
+            const FrameStats& stats = renderer.draw(kOnShore, {}, settings, image);
+            EXPECT_TRUE(stats.effects.is_active(effects::EffectId::water));
+            if (f > 6) shaded[is_far] += stats.shaded_pixels - stats.pixels.sky;
+            if (f > 6) least_db = std::min(least_db, shading::compare_images(image, before, 0).psnr_db);
+            before = image;
+            settings.mode = Mode::raycast;
+            fresh.draw(kOnShore, {}, settings, reference);
+            EXPECT_GE(shading::compare_images(image, reference, 0).psnr_db, is_far ? 30.0 : 26.0) << f;
+        }
+        // The image of the wall lies on the lake, far as it is.
+        fresh.draw(kOnShore, {}, {.mode = Mode::raycast, .time_s = 3.3, .reflection_rays = 0}, sky_only);
+        EXPECT_LT(channel(image, kWidth / 2, 140, 2), channel(sky_only, kWidth / 2, 140, 2) - 40) << is_far;
+        if (is_far) {
+            EXPECT_GT(least_db, 40.0) << "what rests stands still";
+        } else {
+            EXPECT_LT(least_db, 40.0) << "waves move";
+        }
+    }
+    EXPECT_LT(shaded[1], shaded[0] / 2);
+}
+
 /// A polished wall before the viewer, and a red one behind him that it shows.
 struct MirrorWorld {
     MirrorWorld() {

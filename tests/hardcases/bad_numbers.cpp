@@ -92,6 +92,7 @@ void spoil(test::Random& random, FrameInput& input) {
             break;
         case 13:
             (random.below(2) == 0 ? input.settings.blend_within_m : input.settings.wind_within_m) = float(bad);
+            (random.below(2) == 0 ? input.settings.air_error : input.settings.water_within_m) = float(bad);
             break;
         case 14:
             input.settings.grid_cells_per_item = float(bad);

@@ -139,6 +139,116 @@ TEST(shading, an_atmosphere_is_shaded_as_the_reference_says) {
     EXPECT_LE(large, compared / 10000);
 }
 
+/// Worlds in an atmosphere at several times of day, and in plain fog.
+scene::SceneData make_airy_world(std::uint32_t seed, scene::SkyTable& table) {
+    constexpr float kHeights[] = {0.9f, 0.3f, 0.02f, -0.2f};
+    scene::SceneData world = make_material_world(seed);
+    if (seed % 5 == 4) {
+        world.environment.fog_density_per_m = 0.002f;
+        return world;
+    }
+    const float height = kHeights[seed % 5];
+    world.environment.to_sun = Vec3(std::sqrt(1.0f - height * height), height, 0.0f);
+    world.environment.atmosphere.turbidity = seed % 2 == 0 ? 2.0f : 8.0f;
+    world.environment.fog_density_per_m = 0.0005f;
+    shading::light_atmosphere(world.environment, table);
+    return world;
+}
+
+TEST(shading, air_is_left_out_only_where_it_does_not_show) {
+    scene::SkyTable table;
+    for (std::uint32_t seed = 0; seed < 10; ++seed) {
+        scene::SceneData world = make_airy_world(seed, table);
+        const scene::StaticScene scene = world.view();
+        Random random(8000 + seed);
+        const PinholeView view = random_view(random, scene.bounds);
+        const VisibilityBuffer visibility = cast_view(scene, view);
+        const Image exact = shade_view(scene, view, visibility);
+        // A level of rounding beside what is allowed.
+        for (const auto& [error, levels] : {std::pair{1.0f / 512.0f, 1}, {1.0f / 64.0f, 5}, {1.0f / 16.0f, 17}}) {
+            const ShadeSettings settings{.air_error = error};
+            for (const Image& image :
+                 images_of_all_targets([&] { return shade_view(scene, view, visibility, settings); })) {
+                // Vector widths differ by a level near mip levels' borders, with air or without.
+                EXPECT_LE(largest_difference(image, exact), levels + 1) << "seed " << seed << " error " << error;
+                const Difference d = compare_with_reference(scene, view, visibility, image, settings);
+                EXPECT_LE(d.large, 20) << "seed " << seed << ", max " << d.max;
+            }
+            EXPECT_LE(largest_difference(shade_view(scene, view, visibility, settings), exact), levels)
+                << "seed " << seed << " error " << error;
+        }
+        EXPECT_EQ(shade_view(scene, view, visibility, {.air_error = 0.0f}).pixels, exact.pixels);
+    }
+}
+
+TEST(shading, no_encoding_is_steeper_over_the_root_of_light_than_its_bound) {
+    for (const bool by_film : {false, true}) {
+        double steepest = 0.0;
+        constexpr int kSteps = 4000;
+        const auto encoded = [&](double root) { return shading::encode_color(DVec3(root * root), by_film).x; };
+        for (int i = 0; i < kSteps; ++i)
+            steepest = std::max(steepest, kSteps * (encoded((i + 1.0) / kSteps) - encoded(double(i) / kSteps)));
+        EXPECT_LE(steepest, double(shading::kEncodeSlope)) << by_film;
+        EXPECT_GT(steepest, 0.9 * double(shading::kEncodeSlope)) << by_film;
+    }
+}
+
+TEST(shading, what_stands_near_is_shaded_as_without_air_and_what_is_far_as_always) {
+    scene::SkyTable table;
+    for (const bool is_fog : {false, true}) {
+        // Gray walls before the eye, straight ahead: at 20 m and at 2 km.
+        for (const float distance_m : {20.0f, 2000.0f}) {
+            const float side = 4.0f * distance_m;
+            scene::SceneData world =
+                make_single_triangle({-side, -side, -distance_m}, {side, -side, -distance_m}, {0, side, -distance_m});
+            world.environment.fog_density_per_m = is_fog ? 1e-3f : 0.0f;
+            if (!is_fog) {
+                world.environment.to_sun = glm::normalize(Vec3(0.3f, 0.6f, 0.7f));
+                world.environment.atmosphere.turbidity = 8.0f;
+                shading::light_atmosphere(world.environment, table);
+            }
+            const PinholeView view = make_view({.vertical_fov = 0.5}, 48, 32);
+            const VisibilityBuffer visibility = cast_view(world.view(), view);
+            const Image exact = shade_view(world.view(), view, visibility);
+            const Image image = shade_view(world.view(), view, visibility, {.air_error = 1.0f / 32.0f});
+            ASSERT_EQ(visibility.instance[0], 0u);
+            // The same light in air that takes and adds nothing.
+            world.environment.fog_density_per_m = 0.0f;
+            if (!is_fog) {
+                table.rayleigh_per_m = table.mie_per_m = Vec3(0.0f);
+            }
+            const Image clear = shade_view(world.view(), view, visibility);
+            if (distance_m < 100.0f) {
+                EXPECT_EQ(image.pixels, clear.pixels) << is_fog;
+                EXPECT_NE(exact.pixels, clear.pixels) << is_fog;
+            } else {
+                EXPECT_EQ(image.pixels, exact.pixels) << is_fog;
+                EXPECT_GT(largest_difference(exact, clear), 20) << is_fog;
+            }
+        }
+    }
+}
+
+TEST(shading, whoever_asks_for_a_pixel_decides_alike_about_its_air) {
+    scene::SkyTable table;
+    scene::SceneData world = make_airy_world(6, table);
+    const scene::StaticScene scene = world.view();
+    Random random(8100);
+    const PinholeView view = random_view(random, scene.bounds);
+    const VisibilityBuffer visibility = cast_view(scene, view);
+    const ShadeSettings settings{.air_error = 1.0f / 32.0f};
+    const Image whole = shade_view(scene, view, visibility, settings);
+    Image parts;
+    parts.resize(kWidth, kHeight);
+    for (const std::uint16_t pattern : {std::uint16_t(0x1111), std::uint16_t(0xEEEE)}) {
+        auto tiles = all_tiles(kWidth, kHeight);
+        for (auto& tile : tiles)
+            for (std::uint16_t& row : tile.rows) row = std::uint16_t(row & pattern);
+        shading::shade_tiles(scene, {}, view, visibility, tiles, settings, parts);
+    }
+    EXPECT_EQ(largest_difference(whole, parts), 0);
+}
+
 TEST(shading, lamps_rain_and_snow_are_shaded_as_the_reference_says) {
     int compared = 0, large = 0, changed = 0;
     for (std::uint32_t seed = 0; seed < 6; ++seed) {
@@ -215,7 +325,7 @@ TEST(shading, waves_are_shaded_as_the_reference_says) {
         const PinholeView view = random_view(random, scene.bounds);
         const VisibilityBuffer visibility = cast_view(scene, view);
         const shading::Waves waves = shading::make_waves(view.position, {.wind_m_s = {3.0f, 1.0f}}, 12.0 * seed);
-        const ShadeSettings settings{.waves = &waves};
+        const ShadeSettings settings{.waves = &waves, .waves_within_m = seed < 2 ? 1e9f : 15.0f};
         for (const Image& image :
              images_of_all_targets([&] { return shade_view(scene, view, visibility, settings); })) {
             const Difference d = compare_with_reference(scene, view, visibility, image, settings);
@@ -226,6 +336,42 @@ TEST(shading, waves_are_shaded_as_the_reference_says) {
     }
     EXPECT_GT(compared, 200000);
     EXPECT_LE(large, compared / 2000);
+}
+
+TEST(shading, far_water_has_no_waves_but_is_as_rough_as_they_make_it) {
+    scene::SceneData world = make_single_triangle({-900, -2, 100}, {900, -2, 100}, {0, -2, -900});
+    world.materials[0].flags |= scene::kMaterialSpecular | scene::kMaterialWater;
+    world.materials[0].roughness = 0.1f;
+    world.materials[0].alpha_cutoff = 1.0f;  // its waves
+    const PinholeView view = make_view({.pitch = -0.3}, kWidth, kHeight);
+    const VisibilityBuffer visibility = cast_view(world.view(), view);
+    const auto shade = [&](double time_s, float within_m) {
+        const shading::Waves waves = shading::make_waves(view.position, {.wind_m_s = {6.0f, 1.0f}}, time_s);
+        return shade_view(world.view(), view, visibility, {.waves = &waves, .waves_within_m = within_m});
+    };
+    const auto is_beyond = [&](std::size_t i, int x, int y, float within_m) {
+        return visibility.depth[i] * glm::length(view.direction(x, y)) > within_m;
+    };
+    const Image now = shade(0.0, 20.0f), later = shade(1.7, 20.0f), everywhere = shade(0.0, 1e9f);
+    const Image nowhere = shade(0.0, 0.0f), still = shade_view(world.view(), view, visibility);
+    int far = 0, moved_near = 0, rough = 0;
+    for (int y = 0; y < kHeight; ++y)
+        for (int x = 0; x < kWidth; ++x) {
+            const std::size_t i = visibility.index(x, y);
+            if (visibility.instance[i] == farfield::kSkyInstance) continue;
+            if (is_beyond(i, x, y, 20.01f)) {
+                ++far;
+                ASSERT_EQ(now.pixels[i], later.pixels[i]) << x << ' ' << y;
+                ASSERT_EQ(now.pixels[i], nowhere.pixels[i]) << x << ' ' << y;
+                rough += now.pixels[i] != still.pixels[i];
+            } else {
+                moved_near += now.pixels[i] != later.pixels[i];
+            }
+        }
+    EXPECT_GT(far, 2000);
+    EXPECT_GT(rough, far / 2);
+    EXPECT_GT(moved_near, 500);
+    EXPECT_GT(largest_difference(everywhere, now), 5);
 }
 
 TEST(shading, reflections_are_looked_up_as_the_reference_says) {

@@ -35,7 +35,7 @@ std::string name_of(const LabScene& scene, std::size_t walk_frame) {
 }
 
 frame::FrameSettings exact_settings() {
-    return {.mode = frame::Mode::raycast};
+    return {.mode = frame::Mode::raycast, .air_error = 0.0f};
 }
 
 }  // namespace

@@ -147,6 +147,13 @@ Result<Sweep> sweep(const Bench& bench, int pairs) {
         if (knob.needs_lamps && scene.lamps.empty()) continue;
         if (knob.needs_mirrors && std::none_of(scene.materials.begin(), scene.materials.end(), scene::is_mirror))
             continue;
+        if (knob.needs_air && !(scene.environment.atmosphere.turbidity > 0.0f) &&
+            !(scene.environment.fog_density_per_m > 0.0f))
+            continue;
+        if (knob.needs_water && std::none_of(scene.materials.begin(), scene.materials.end(), [](const auto& material) {
+                return (material.flags & scene::kMaterialWater) != 0;
+            }))
+            continue;
         const scene::Weather& weather = scene.environment.weather;
         if (knob.needs_wind && !(effects::has_foliage(scene) && weather.wind_m_s != Vec2(0.0f))) continue;
         if (knob.needs_weather && !(weather.rain > 0.0f || weather.snow > 0.0f)) continue;

@@ -204,6 +204,14 @@ void add_view_options(CLI::App& app, ViewOptions& view, bool with_mode) {
         ->check(number_in(0.0, 1e5));
     app.add_option("--bodies-within-m", view.scenery.bodies_within_m, "Rigid bodies farther away stay where they are")
         ->check(number_in(1.0, 1e5));
+    app.add_option("--water-within-m", settings.water_within_m,
+                   "Water farther away has no waves, but is as rough as they make it; 0: none has")
+        ->check(number_in(0.0, 1e5));
+    app.add_option(
+           "--air-error", settings.air_error,
+           "Air in front of a surface is left out where it changes a pixel by less than this, of 1: 0.002 is half "
+           "a level of 255; 0: nowhere")
+        ->check(number_in(0.0, 0.1));
     app.add_option("--lamps-within-m", settings.lamps_within_m, "Lamps farther away light nothing; 0: none does")
         ->check(number_in(0.0, 1e5));
     app.add_option("--reflection-rays", settings.reflection_rays,
