@@ -17,8 +17,22 @@ if(FF_MOLD)
   add_link_options(-fuse-ld=mold)
 endif()
 
-# Baseline of the binaries. Hot kernels choose AVX2 or AVX-512 at run time through Highway.
-add_compile_options(-march=x86-64-v2 -ffp-contract=off)
+# Baseline of the binaries. Hot kernels choose AVX2 or AVX-512 at run time through Highway. That would take a baseline
+# without AES for one of SSSE3 alone, and compile every kernel for that as well.
+set(FF_MARCH x86-64-v2)
+add_compile_definitions(HWY_DISABLE_PCLMUL_AES)
+# What runs only where it was built, as tests under sanitizers do, compiles its kernels once, for that machine.
+option(FF_OWN_MACHINE "Compile for this machine alone" OFF)
+if(FF_OWN_MACHINE AND EXISTS /proc/cpuinfo)
+  file(READ /proc/cpuinfo cpuinfo)
+  add_compile_definitions(HWY_COMPILE_ONLY_STATIC)
+  if(cpuinfo MATCHES " avx512vl" AND cpuinfo MATCHES " avx512bw" AND cpuinfo MATCHES " avx512dq" AND cpuinfo MATCHES " avx512cd")
+    set(FF_MARCH x86-64-v4)
+  elseif(cpuinfo MATCHES " avx2" AND cpuinfo MATCHES " fma" AND cpuinfo MATCHES " bmi2")
+    set(FF_MARCH x86-64-v3)
+  endif()
+endif()
+add_compile_options(-march=${FF_MARCH} -ffp-contract=off)
 # Messages name files as they lie in the sources; where those lay when this was built is nobody's business.
 add_compile_options(-fmacro-prefix-map=${PROJECT_SOURCE_DIR}/=)
 
