@@ -92,7 +92,7 @@ struct NearAir {
     float spread = 0.0f;  ///< film darkens the darkest channel by so much of what the brightest is above it
 };
 /// |a - c| is never taken to be less: so that what is far away is known at once to need its air.
-inline constexpr float kLeastAirContrast = 0.1f;
+inline constexpr float kLeastAirContrast = 0.25f;
 /// Largest slope of kEncode's, sRGB's and kFilm's values by the square root of linear light.
 inline constexpr float kEncodeSlope = 1.52f;
 
