@@ -65,7 +65,13 @@ HWY_AFTER_NAMESPACE();
 namespace ff::farfield {
 namespace known {
 HWY_EXPORT(Collect);
+
+TileRequest collect(const PinholeView& view, const TileRequest& tile, const VisibilityBuffer& visibility,
+                    PrimitiveSet& primitives) {
+    return HWY_DYNAMIC_DISPATCH(Collect)(view, tile, visibility, primitives);
 }
+
+}  // namespace known
 
 namespace {
 
@@ -96,8 +102,7 @@ CastCost cast_known_pixels(const scene::StaticScene& scene, const PinholeView& v
             const std::size_t count = std::min(kTilesTogether, end - first);
             for (std::size_t t = 0; t < count; ++t) {
                 task.primitives.start(std::span(task.ids).subspan(task.first[t]));
-                using namespace known;
-                task.hits[t] = HWY_DYNAMIC_DISPATCH(Collect)(view, tiles[first + t], visibility, task.primitives);
+                task.hits[t] = known::collect(view, tiles[first + t], visibility, task.primitives);
                 task.first[t + 1] = task.first[t] + task.primitives.ids().size();
             }
             fetch_triangles(scene, std::span(task.ids).first(task.first[count]), task.triangles);
