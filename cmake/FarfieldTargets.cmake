@@ -75,9 +75,10 @@ function(ff_module name)
   set_property(GLOBAL APPEND PROPERTY FF_INSTALLED_MODULES ${target})
 endfunction()
 
-# For what is not hot: it compiles in three quarters of the time, under the sanitizers in two thirds. What tests test is
-# optimised, tests need not be.
+# For what is not hot: it compiles in three quarters of the time, under the sanitizers in two thirds.
 set(FF_COLD_OPTIONS $<$<CONFIG:Release>:-O1> $<$<CONFIG:Debug>:-O0>)
+# What tests test is optimised, tests need not be.
+set(FF_TEST_OPTIONS -O0)
 
 # ff_test(NAME SOURCES file... DEPS target... [TIMEOUT seconds] [LABELS label...] [HOT])
 # A GoogleTest executable; every TEST in it becomes one CTest test. HOT: its oracle searches, and is optimised, too.
@@ -88,10 +89,10 @@ function(ff_test name)
   endif()
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE ${ARG_DEPS} GTest::gtest_main)
-  if(ARG_HOT AND CMAKE_BUILD_TYPE STREQUAL Debug)
-    target_compile_options(${name} PRIVATE ${FF_WARNINGS})
+  if(ARG_HOT)
+    target_compile_options(${name} PRIVATE ${FF_WARNINGS} -O1)
   else()
-    target_compile_options(${name} PRIVATE ${FF_WARNINGS} ${FF_COLD_OPTIONS})
+    target_compile_options(${name} PRIVATE ${FF_WARNINGS} ${FF_TEST_OPTIONS})
     ff_share_precompiled(${name} ff_test_headers)
   endif()
   gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST PROPERTIES TIMEOUT ${ARG_TIMEOUT} LABELS "${ARG_LABELS}")

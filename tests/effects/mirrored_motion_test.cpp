@@ -53,7 +53,7 @@ TEST(mirrored_motion, no_pixel_that_shows_what_moves_is_missed) {
         return DVec3(between(-reach, reach), between(-reach, reach), between(-reach, reach));
     };
     int shown = 0, cleared = 0;
-    for (int round = 0; round < 4000; ++round) {
+    for (int round = 0; round < 1500; ++round) {
         const scene::SceneData data =
             test::make_single_triangle(Vec3(anywhere(30)), Vec3(anywhere(30)), Vec3(anywhere(30)));
         const scene::StaticScene scene = data.view();
@@ -75,8 +75,8 @@ TEST(mirrored_motion, no_pixel_that_shows_what_moves_is_missed) {
         shown += any;
         cleared += !claimed;
     }
-    EXPECT_GT(shown, 100);
-    EXPECT_GT(cleared, 1500) << "it has to rule out most";
+    EXPECT_GT(shown, 40);
+    EXPECT_GT(cleared, 550) << "it has to rule out most";
 }
 
 TEST(mirrored_motion, what_is_smaller_than_a_pixel_is_left_out) {
