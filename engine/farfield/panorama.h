@@ -58,7 +58,7 @@ struct PanoramaSettings {
     /// Of 255: where the 4 x 4 texels around differ by more, the pixel is cast whatever its own four show. What falls
     /// between texels, a hole in foliage, is seldom alone, and a missed one would be as bright.
     int strong_contrast = 128;
-    int few_pixels = 40;  ///< EdgeRule::verify: a pixel tile with no more pixels to cast, and those edges, casts none
+    int few_pixels = 48;  ///< EdgeRule::verify: a pixel tile with no more pixels to cast, and those edges, casts none
 };
 
 struct PanoramaLimits {
