@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "engine/core/check.h"
 #include "engine/core/heap_count.h"
 #include "engine/core/work_clock.h"
 #include "engine/physics/systems.h"
@@ -42,12 +43,16 @@ struct Scenery::Impl {
 
     Status add_bodies(double within_m);
     void add_birds(double within_m);
+    void reset();
 
     const scene::World& world;
     ecs::Registry registry;
     ecs::Schedule birds, bodies;
     std::unique_ptr<physics::PhysicsWorld> physics;
     std::vector<ecs::Entity> bird_entities, body_entities;
+    std::vector<BirdStart> bird_starts;
+    std::vector<ecs::LocalTransform> body_starts;
+    std::vector<std::byte> physics_start;
     std::uint64_t ticks = 0;
     effects::Simulations work;
 };
@@ -58,13 +63,13 @@ Status Scenery::Impl::add_bodies(double within_m) {
     const std::vector<scene::LooseBody>& all = world.info().loose_bodies;
     for (std::size_t i = 0; i < all.size(); ++i) {
         const LooseBodyStart start = start_of(world, all[i]);
-        const ecs::Entity entity = registry.create(
-            ecs::LocalTransform{.position = start.desc.pose.position, .rotation = start.desc.pose.rotation},
-            start.model);
+        body_starts.push_back({.position = start.desc.pose.position, .rotation = start.desc.pose.rotation});
+        const ecs::Entity entity = registry.create(body_starts.back(), start.model);
         if (const auto body = physics::attach_body(registry, *physics, entity, start.desc); !body)
             return bad_input(fmt::format("{}: loose body {}: {}", world.info().name, i, body.error().message));
         body_entities.push_back(entity);
     }
+    physics_start = physics->state();
     registry.resource<physics::PhysicsTick>().world = physics.get();
     physics::add_physics_system(bodies);
     work[effects::EffectId::rigid_bodies].systems = 1;
@@ -78,12 +83,28 @@ void Scenery::Impl::add_birds(double within_m) {
         const auto index = std::uint32_t(flocks.homes.size());
         flocks.homes.push_back({flock.model.position, flock.radius_m});
         for (std::uint32_t i = 0; i < flock.birds; ++i) {
-            const BirdStart start = start_of(flocks.homes[index], i, flock.birds, index);
+            const BirdStart& start = bird_starts.emplace_back(start_of(flocks.homes[index], i, flock.birds, index));
             bird_entities.push_back(registry.create(start.at, start.bird, model_of(flock.model)));
         }
     }
     add_bird_system(birds);
     work[effects::EffectId::birds].systems = 1;
+}
+
+void Scenery::Impl::reset() {
+    ticks = 0;
+    for (std::size_t i = 0; i < bird_entities.size(); ++i) {
+        *registry.get<ecs::LocalTransform>(bird_entities[i]) = bird_starts[i].at;
+        *registry.get<Bird>(bird_entities[i]) = bird_starts[i].bird;
+    }
+    for (std::size_t i = 0; i < body_entities.size(); ++i)
+        *registry.get<ecs::LocalTransform>(body_entities[i]) = body_starts[i];
+    if (physics) {
+        const Status restored = physics->set_state(physics_start);
+        FF_CHECK(bool(restored), "a world refuses its own state: {}", restored.error().message);
+    }
+    for (effects::Simulation& simulation : work.of)
+        simulation.moving = 0, simulation.ms = 0.0, simulation.allocations = 0;
 }
 
 Scenery::Scenery(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -99,6 +120,10 @@ Result<std::unique_ptr<Scenery>> Scenery::make(const scene::World& world, const 
     if (!info.loose_bodies.empty() && !has(without, effects::EffectId::rigid_bodies))
         FF_TRY(impl->add_bodies(settings.bodies_within_m));
     return std::unique_ptr<Scenery>(new Scenery(std::move(impl)));
+}
+
+void Scenery::reset() {
+    impl_->reset();
 }
 
 void Scenery::tick(const Camera& viewer) {

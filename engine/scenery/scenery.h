@@ -32,6 +32,8 @@ class Scenery {
     Scenery(const Scenery&) = delete;
     Scenery& operator=(const Scenery&) = delete;
 
+    /// As make() left it. What ticks have taken from the heap is kept: who goes through the same again takes nothing.
+    void reset();
     /// One tick on. Steady ticks allocate nothing.
     void tick(const Camera& viewer);
     [[nodiscard]] std::uint64_t ticks() const;

@@ -150,6 +150,17 @@ TEST(SceneryCosts, steady_ticks_take_nothing_from_the_heap) {
         EXPECT_GT(work[id].ms, 0.0);
         EXPECT_EQ(work[id].allocations, 0u);
     }
+    // Through the fall and the landing, and through them again.
+    for (const bool again : {false, true}) {
+        scenery->reset();
+        (void)scenery->take_work();
+        for (int t = 0; t < 900; ++t) scenery->tick(viewer);
+        const Simulations all = scenery->take_work();
+        EXPECT_EQ(all[EffectId::rigid_bodies].moving, 0u) << "it has come to rest";
+        if (again) {
+            EXPECT_EQ(all[EffectId::rigid_bodies].allocations, 0u);
+        }
+    }
 }
 
 }  // namespace

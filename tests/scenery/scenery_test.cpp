@@ -146,6 +146,22 @@ TEST(Scenery, that_is_switched_off_is_not_there_or_stands) {
     }
 }
 
+TEST(Scenery, goes_the_same_way_again_after_a_reset) {
+    const auto world = make_world(10, 3);
+    const auto scenery = *Scenery::make(*world);
+    const std::vector<WorldPos> start = shown(*scenery);
+    const auto go = [&] {
+        for (int t = 0; t < 3 * kTicks; ++t) scenery->tick(looking_from({0.0, 2.0, 0.0}));
+        return shown(*scenery);
+    };
+    const std::vector<WorldPos> end = go();
+    EXPECT_NE(end, start);
+    scenery->reset();
+    EXPECT_EQ(scenery->ticks(), 0u);
+    EXPECT_EQ(shown(*scenery), start);
+    EXPECT_EQ(go(), end);
+}
+
 TEST(Scenery, the_number_of_workers_changes_no_bit) {
     const auto world = make_world(30, 4);
     std::vector<WorldPos> places[2];

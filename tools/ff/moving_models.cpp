@@ -1,39 +1,30 @@
 #include "tools/ff/moving_models.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace ff::tool {
 
-MovingModels::MovingModels(scene::World& world, const scenery::ScenerySettings& settings, effects::EffectSet without)
-    : world_(world),
-      settings_(settings),
-      without_(without),
-      models_(world),
-      standing_(scenery::find_standing(world, true)) {}
+MovingModels::MovingModels(scene::World& world)
+    : world_(world), models_(world), standing_(scenery::find_standing(world, true)) {}
 
 Result<std::unique_ptr<MovingModels>> MovingModels::make(scene::World& world, const scenery::ScenerySettings& settings,
                                                          effects::EffectSet without) {
-    auto moving = std::unique_ptr<MovingModels>(new MovingModels(world, settings, without));
-    FF_TRY(moving->begin());
+    auto moving = std::unique_ptr<MovingModels>(new MovingModels(world));
+    moving->without_ = without;
+    const scene::WorldInfo& info = world.info();
+    if (!info.flocks.empty() || !info.loose_bodies.empty()) {
+        FF_ASSIGN(moving->scenery_, scenery::Scenery::make(world, settings, without));
+        moving->work_ = moving->scenery_->take_work();
+    }
     return moving;
-}
-
-Status MovingModels::begin() {
-    const scene::WorldInfo& info = world_.info();
-    if (info.flocks.empty() && info.loose_bodies.empty()) return {};
-    FF_ASSIGN(scenery_, scenery::Scenery::make(world_, settings_, without_));
-    work_ = scenery_->take_work();
-    return {};
 }
 
 void MovingModels::advance(double time_s, const Camera& viewer) {
     if (!scenery_) return;
     const auto now = std::uint64_t(std::llround(std::max(time_s, 0.0) * scenery::kTicksPerSecond));
     if (now == scenery_->ticks()) return;
-    if (now < scenery_->ticks()) {
-        const Status begun = begin();
-        FF_CHECK(bool(begun), "scenery that was made once is not made again: {}", begun.error().message);
-    }
+    if (now < scenery_->ticks()) scenery_->reset();
     while (scenery_->ticks() < now) scenery_->tick(viewer);
     work_ = scenery_->take_work();
 }

@@ -37,15 +37,13 @@ class MovingModels {
     [[nodiscard]] const animation::PoseStats& stats() const { return models_.stats(); }
 
   private:
-    MovingModels(scene::World& world, const scenery::ScenerySettings& settings, effects::EffectSet without);
-    Status begin();
+    explicit MovingModels(scene::World& world);
 
     const scene::World& world_;
-    scenery::ScenerySettings settings_;
-    effects::EffectSet without_;
     animation::DynamicModels models_;
     std::vector<scenery::ShownModel> standing_;  // what no simulation moves
     std::unique_ptr<scenery::Scenery> scenery_;  // null: the world calls for none
+    effects::EffectSet without_ = 0;
     effects::Simulations work_;
     std::vector<animation::ModelState> states_;
     std::vector<scene::Instance> instances_;
