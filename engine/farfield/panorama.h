@@ -124,6 +124,8 @@ class Panorama {
     /// @param wanted  the pixels that nothing else answers, by tiles of the view; none beyond its width and height
     /// @return texels chosen, at most limits.ray_budget
     std::uint64_t plan_fill(const PinholeView& view, std::span<const TileRequest> wanted, const PanoramaLimits& limits);
+    /// Whether the last plan_fill() left nothing out for want of budget.
+    [[nodiscard]] bool is_fill_complete() const;
     /// Chooses the next of the known texels instead, whole tiles from the `next`-th of the map on, to be cast and
     /// shaded anew by the same steps: what they show is right, but their light is not any more.
     /// @param texels  at most so many

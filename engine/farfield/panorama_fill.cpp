@@ -107,7 +107,9 @@ std::uint64_t Panorama::plan_fill(const PinholeView& view, std::span<const TileR
         return a.worth != b.worth ? a.worth > b.worth : a.tile < b.tile;
     });
     std::uint64_t left = limits.ray_budget, chosen = 0;
-    for (std::size_t first = 0; first < s.candidates.size() && left > 0;) {
+    s.is_fill_complete = left > 0 || s.candidates.empty();
+    std::size_t first = 0;
+    while (first < s.candidates.size() && left > 0) {
         std::size_t end = first;
         while (end < s.candidates.size() && s.candidates[end].worth == s.candidates[first].worth) ++end;
         // Where a class does not fit, every n-th of it (P0 5.2).
@@ -117,14 +119,23 @@ std::uint64_t Panorama::plan_fill(const PinholeView& view, std::span<const TileR
             const TileRequest request = make_request(s.candidates[i]);
             std::uint64_t count = 0;
             for (const std::uint16_t row : request.rows) count += std::uint64_t(std::popcount(row));
-            if (count > left) continue;
+            if (count > left) {
+                s.is_fill_complete = false;
+                continue;
+            }
             left -= count;
             chosen += count;
             s.requests[std::size_t(request.y) / std::size_t(s.map.size)].push_back(request);
         }
+        s.is_fill_complete &= n == 1;
         first = end;
     }
+    s.is_fill_complete &= first == s.candidates.size();
     return chosen;
+}
+
+bool Panorama::is_fill_complete() const {
+    return state_->is_fill_complete;
 }
 
 bool Panorama::plan_refresh(std::uint64_t texels, std::uint32_t& next) {

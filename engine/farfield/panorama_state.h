@@ -32,6 +32,7 @@ struct Panorama::State {
     std::vector<std::uint8_t> needs;    ///< per pixel tile: some of its texels are not good
     std::uint32_t stamp = 0;
     std::array<std::vector<TileRequest>, 6> requests;  ///< what plan_fill chose
+    bool is_fill_complete = true;                      ///< which was all that it was asked for
 
     // Lookup.
     std::vector<panorama::TileClasses> classes;  ///< per wanted tile

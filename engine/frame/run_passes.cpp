@@ -456,8 +456,7 @@ void draw_surfaces(const FramePlan& plan, const Tools& tools, FrameHistory& hist
         fill_limits.ray_budget = std::min(limits.ray_budget, plan.fill_budget);
         const std::uint64_t filled = fill_panorama(plan, tools, fill_limits, history, stats);
         limits.ray_budget -= filled;
-        // A tile more would have fitted: nothing was left out.
-        history.panorama_is_full = filled + kTileSize * kTileSize <= fill_limits.ray_budget;
+        history.panorama_is_full = history.panorama->is_fill_complete();
     }
     if (plan.look_up_panorama) {
         look_up_panorama(plan, tools, limits, history, image, stats);

@@ -245,6 +245,27 @@ TEST(Panorama, ReusesByDistanceAsInTheFirstPaperWhenAsked) {
     EXPECT_EQ(rig.lookup(later, limits).reused, 0u);
 }
 
+TEST(Panorama, KnowsWhetherAFillLeftAnythingOut) {
+    const PinholeView view = view_at(kEye, 0.5);
+    Rig all(test::make_city({.cells = 2}));
+    all.panorama.begin_frame(kEye);
+    const std::uint64_t texels = all.fill(view);
+    EXPECT_TRUE(all.panorama.is_fill_complete());
+    int with_room = 0;
+    for (std::uint64_t budget = texels + 256; budget > 1000; budget -= budget / 7) {
+        Rig rig(test::make_city({.cells = 2}));
+        rig.panorama.begin_frame(kEye);
+        const std::uint64_t filled = rig.fill(view, {.ray_budget = budget});
+        const bool is_complete = rig.panorama.is_fill_complete();
+        with_room += filled + 256 <= budget && filled < texels;
+        EXPECT_EQ(rig.panorama.plan_fill(view, all_tiles(), {}) == 0, is_complete) << budget << " of " << texels;
+        for (bool done = is_complete; !done; done = rig.panorama.is_fill_complete())
+            ASSERT_GT(rig.fill(view, {.ray_budget = budget}), 0u);
+        EXPECT_EQ(rig.panorama.plan_fill(view, all_tiles(), {}), 0u) << "little by little";
+    }
+    EXPECT_GT(with_room, 0) << "a budget with room for more says nothing: of equals every n-th is taken";
+}
+
 TEST(Panorama, SpendsItsBudgetExactlyAndOnTheWorstFirst) {
     Rig rig(test::make_city({.cells = 2}));
     const PinholeView view = view_at(kEye, 0.5);
