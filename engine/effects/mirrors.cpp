@@ -55,25 +55,6 @@ Facet facet_of(const MirrorInput& input, std::uint32_t id, std::uint32_t triangl
             .fades = !is_water};
 }
 
-/// Whether something in a tile of the visibility buffer may mirror: mostly few things stand in it, and none does.
-bool may_mirror(const MirrorInput& input, const farfield::TileRequest& tile, MirrorTest& test) {
-    const farfield::VisibilityBuffer& seen = input.visibility;
-    std::uint32_t last = kSkyInstance;
-    MirrorFlags flags = 0;
-    for (int j = 0; j < kTileSize; ++j) {
-        if (tile.rows[j] == 0) continue;
-        const std::size_t row = seen.index(tile.x, tile.y + j);
-        for (std::size_t at = row; at < row + std::size_t(kTileSize); ++at) {
-            if (seen.instance[at] != last) {
-                last = seen.instance[at];
-                flags = test.flags_of(last);
-            }
-            if (flags != 0 && ((flags & scene::kMaterialWater) != 0 || seen.depth[at] < input.within_m)) return true;
-        }
-    }
-    return false;
-}
-
 }  // namespace
 
 MirrorFlags MirrorTest::flags_of(std::uint32_t instance) {
@@ -121,14 +102,6 @@ std::optional<farfield::MirrorPlane> mirror_plane(const scene::StaticScene& scen
     return farfield::MirrorPlane{Vec3(normal), height};
 }
 
-bool mirrors_within(MirrorTest& kind_of, const farfield::VisibilityBuffer& seen, std::size_t at, float within_m) {
-    const MirrorFlags flags = kind_of.flags_of(seen.instance[at]);
-    const bool is_far = !(seen.depth[at] < within_m);
-    if (flags == 0 || (is_far && (flags & scene::kMaterialWater) == 0)) return false;
-    const MirrorKind kind = kind_of(seen.instance[at], seen.triangle[at]);
-    return kind == MirrorKind::water || (kind == MirrorKind::glass && !is_far);
-}
-
 Mirrors::Mirrors(int width, int height, int least_step) {
     const auto reduced = [&](int pixels) { return std::size_t(tiles_along((pixels + least_step - 1) / least_step)); };
     const std::size_t tiles = reduced(width) * reduced(height);
@@ -136,6 +109,7 @@ Mirrors::Mirrors(int width, int height, int least_step) {
     const std::size_t pixels = tiles * std::size_t(kTileSize) * std::size_t(kTileSize);
     for (auto* names : {&instance_, &triangle_}) names->resize(pixels);
     for (auto* planes : {&plane_, &widened_}) planes->resize(pixels);
+    rows_.resize(tiles * kTileSize);
     for (auto* flags : {&is_asked_, &has_mirrors_}) flags->resize(tiles);
     for (auto* lists : {&mirror_tiles_, &wide_tiles_}) lists->reserve(tiles);
     looked_at_.reserve(tiles);
@@ -191,23 +165,35 @@ void Mirrors::probe(const MirrorInput& input, int step) {
 /// Names what the mirrors' pixels of a tile of the reduced image see.
 /// @return whether there are any
 bool Mirrors::probe_tile(const MirrorInput& input, int step, std::uint32_t tile, MirrorTest& kind_of) {
-    // Two probes along a side of a pixel at most: what is smaller than half of it may be missed.
-    const int probes = std::min(step, 2), apart = step / probes, first = apart / 2;
-    const bool looks_first = probes == step;  // else there are fewer probes than pixels to look at
-    const int side = kTileSize / step;        // pixels that a tile of the view has here
+    const farfield::VisibilityBuffer& seen = input.visibility;
     bool any = false;
+    std::uint32_t plain = kSkyInstance;  // the last instance without mirrors: mostly all see the same
+    // The last answer, as neighbours see the same.
+    std::uint32_t instance = kSkyInstance, triangle = kNoTriangle;
+    MirrorKind kind = MirrorKind::none;
     const auto note = [&](int x, int y, std::size_t at) {
+        if (seen.instance[at] != instance || seen.triangle[at] != triangle) {
+            instance = seen.instance[at];
+            triangle = seen.triangle[at];
+            kind = kind_of(instance, triangle);
+            if (kind_of.flags_of(instance) == 0) plain = instance;
+        }
+        if (kind == MirrorKind::none) return;
+        if (kind == MirrorKind::glass ? !(seen.depth[at] < input.within_m) : seen.depth[at] < input.water_beyond_m)
+            return;
         const std::size_t to = std::size_t(y) * std::size_t(stride_) + std::size_t(x);
         if (any && instance_[to] != kSkyInstance) return;
-        if (!mirrors_within(kind_of, input.visibility, at, input.within_m)) return;
-        if (input.visibility.depth[at] < input.water_beyond_m &&
-            kind_of(input.visibility.instance[at], input.visibility.triangle[at]) == MirrorKind::water)
-            return;
         if (!any) visit_pixels(tile, [&](int, int, std::size_t pixel) { instance_[pixel] = kSkyInstance; });
         any = true;
-        instance_[to] = input.visibility.instance[at];
-        triangle_[to] = input.visibility.triangle[at];
+        instance_[to] = instance;
+        triangle_[to] = triangle;
     };
+    // Two probes along a side of a pixel at most: what is smaller than half of it may be missed.
+    const int apart = step / std::min(step, 2), first = apart / 2;
+    const int shift = std::countr_zero(unsigned(step));
+    unsigned probed = 0;  // columns
+    for (int i = first; i < kTileSize; i += apart) probed |= 1u << i;
+    const int side = kTileSize / step;  // pixels that a tile of the view has here
     const int x0 = int(tile) % tiles_x_ * step, y0 = int(tile) / tiles_x_ * step;  // tiles of the view
     const int rows = int(asked_.size()) / asked_x_;
     for (int ty = y0; ty < std::min(y0 + step, rows); ++ty)
@@ -215,26 +201,19 @@ bool Mirrors::probe_tile(const MirrorInput& input, int step, std::uint32_t tile,
             const std::uint32_t place = asked_[std::size_t(ty * asked_x_ + tx)];
             if (place == 0) continue;
             const farfield::TileRequest& request = input.tiles[place - 1];
-            if (looks_first && !may_mirror(input, request, kind_of)) continue;
             unsigned whole_columns = 0xFFFFu;
             for (const std::uint16_t row : request.rows) whole_columns &= row;
-            if (whole_columns == 0) {
-                // Single pixels: each for itself, as the probes could miss it.
-                for (int j = 0; j < kTileSize; ++j)
-                    for (unsigned bits = request.rows[j]; bits != 0; bits &= bits - 1) {
-                        const int i = std::countr_zero(bits);
-                        note(tx * side + i / step, ty * side + j / step,
-                             input.visibility.index(request.x + i, request.y + j));
-                    }
-                continue;
+            // Single pixels each for itself, as the probes could miss them.
+            const bool is_strewn = whole_columns == 0;
+            for (int j = is_strewn ? 0 : first; j < kTileSize; j += is_strewn ? 1 : apart) {
+                const std::size_t row = seen.index(request.x, request.y + j);
+                for (unsigned bits = is_strewn ? request.rows[j] : request.rows[j] & probed; bits != 0;
+                     bits &= bits - 1) {
+                    const int i = std::countr_zero(bits);
+                    const std::size_t at = row + std::size_t(i);
+                    if (seen.instance[at] != plain) note(tx * side + (i >> shift), ty * side + (j >> shift), at);
+                }
             }
-            for (int y = 0; y < side; ++y)
-                for (int x = 0; x < side; ++x)
-                    for (int k = 0; k < probes * probes; ++k) {
-                        const int i = x * step + first + k % probes * apart, j = y * step + first + k / probes * apart;
-                        if (((request.rows[j] >> i) & 1u) == 0) continue;
-                        note(tx * side + x, ty * side + y, input.visibility.index(request.x + i, request.y + j));
-                    }
         }
     return any;
 }
@@ -318,32 +297,63 @@ void Mirrors::keep_largest() {
         largest[found_++] = planes_[order[i]];
     }
     std::copy_n(largest.begin(), found_, planes_.begin());
+    std::fill_n(rows_.begin(), std::size_t(tiles_x_) * std::size_t(tiles_y_) * kTileSize, std::uint16_t(0));
     for (const std::uint32_t tile : mirror_tiles_)
-        visit_pixels(tile, [&](int, int, std::size_t at) {
-            if (plane_[at] != kNone) plane_[at] = place[plane_[at]];
+        visit_pixels(tile, [&](int x, int y, std::size_t at) {
+            if (plane_[at] == kNone) return;
+            plane_[at] = place[plane_[at]];
+            if (plane_[at] == kNone) return;
+            std::uint16_t& row = rows_[std::size_t(tile) * kTileSize + std::size_t(y % kTileSize)];
+            row = std::uint16_t(row | 1u << x % kTileSize);
         });
+}
+
+/// The pixels of a row of a tile that have planes, by bits from 16 on, with those of the tiles to its left and right.
+std::uint64_t Mirrors::row_around(int tile_x, int y) const {
+    if (y < 0 || y >= tiles_y_ * kTileSize) return 0;
+    std::uint64_t around = 0;
+    for (int k = -1; k <= 1; ++k) {
+        if (tile_x + k < 0 || tile_x + k >= tiles_x_) continue;
+        const auto tile = std::size_t(y / kTileSize * tiles_x_ + tile_x + k);
+        around |= std::uint64_t(rows_[tile * kTileSize + std::size_t(y % kTileSize)]) << (kTileSize * (k + 1));
+    }
+    return around;
 }
 
 /// Pixels beside mirrors are asked for, too: what is filtered, and what waves bend rays to.
 void Mirrors::widen() {
     if (found_ == 0) return;
+    constexpr int kReach = 2;
     parallel_ranges(wide_tiles_.size(), 4, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t t = begin; t < end; ++t)
-            visit_pixels(wide_tiles_[t], [&](int x, int y, std::size_t to) {
-                const auto at = [&](int dx, int dy) {
-                    const int nx = x + dx, ny = y + dy;
-                    return nx < 0 || ny < 0 || nx >= width_ || ny >= height_
-                               ? kNone
-                               : plane_[std::size_t(ny) * std::size_t(stride_) + std::size_t(nx)];
-                };
-                std::uint8_t plane = plane_[to];
-                for (int reach = 1; reach <= 2 && plane == kNone; ++reach)
-                    for (int k = 0; k < 8 && plane == kNone; ++k) {
-                        constexpr int kX[] = {0, -1, 1, 0, -1, 1, -1, 1}, kY[] = {-1, 0, 0, 1, -1, -1, 1, 1};
-                        plane = at(reach * kX[k], reach * kY[k]);
-                    }
-                widened_[to] = plane;
-            });
+        for (const std::uint32_t tile : std::span(wide_tiles_).subspan(begin, end - begin)) {
+            const int tile_x = int(tile) % tiles_x_, y0 = int(tile) / tiles_x_ * kTileSize;
+            std::uint64_t around[kTileSize + 2 * kReach];
+            for (int j = -kReach; j < kTileSize + kReach; ++j) around[j + kReach] = row_around(tile_x, y0 + j);
+            for (int j = 0; j < kTileSize; ++j) {
+                const std::size_t first = std::size_t(y0 + j) * std::size_t(stride_) + std::size_t(tile_x * kTileSize);
+                std::uint8_t* const row = widened_.data() + first;
+                const std::uint64_t* const here = around + j + kReach;
+                std::copy_n(plane_.data() + first, kTileSize, row);
+                std::uint64_t beside = 0;
+                for (int reach = 1; reach <= kReach; ++reach)
+                    for (const std::uint64_t other : {here[-reach], *here, here[reach]})
+                        beside |= other | other << reach | other >> reach;
+                for (unsigned left = unsigned((beside & ~*here) >> kTileSize) & 0xFFFFu; left != 0; left &= left - 1) {
+                    const int i = std::countr_zero(left);
+                    if (tile_x * kTileSize + i >= width_ || y0 + j >= height_) continue;
+                    // The nearest plane, along rows and columns first.
+                    constexpr int kX[] = {0, -1, 1, 0, -1, 1, -1, 1}, kY[] = {-1, 0, 0, 1, -1, -1, 1, 1};
+                    std::uint8_t plane = kNone;
+                    for (int reach = 1; reach <= kReach && plane == kNone; ++reach)
+                        for (int k = 0; k < 8 && plane == kNone; ++k) {
+                            const int dx = reach * kX[k], dy = reach * kY[k];
+                            if ((here[dy] >> (kTileSize + i + dx) & 1u) != 0)
+                                plane = plane_[first + std::size_t(i) + std::size_t(dy * stride_ + dx)];
+                        }
+                    row[i] = plane;
+                }
+            }
+        }
     });
 }
 

@@ -49,10 +49,6 @@ class MirrorTest {
                                                                 const scene::Instance& instance, std::uint32_t triangle,
                                                                 const WorldPos& eye);
 
-/// Whether a pixel sees water, or another mirror nearer than within_m along the view's axis.
-[[nodiscard]] bool mirrors_within(MirrorTest& kind_of, const farfield::VisibilityBuffer& seen, std::size_t at,
-                                  float within_m);
-
 /// What mirrors are found in.
 struct MirrorInput {
     const scene::StaticScene& scene;
@@ -100,6 +96,7 @@ class Mirrors {
     [[nodiscard]] std::uint8_t find_plane(const farfield::MirrorPlane& plane);
     void assign_planes(const MirrorInput& input, int step);
     void keep_largest();
+    [[nodiscard]] std::uint64_t row_around(int tile_x, int y) const;
     void widen();
     std::uint64_t collect_tiles();
     template <class Visit>
@@ -109,6 +106,7 @@ class Mirrors {
     int tiles_x_ = 0, tiles_y_ = 0;
     std::vector<std::uint32_t> instance_, triangle_;  // seen by a mirror's pixel, else kSkyInstance; in mirror_tiles_
     std::vector<std::uint8_t> plane_, widened_;       // by pixel: index into planes_, kNone; in wide_tiles_
+    std::vector<std::uint16_t> rows_;                 // by row of a tile: pixels whose plane counts
     int asked_x_ = 0;                                 // tiles of the view in a row
     std::vector<std::uint32_t> asked_;                // by tile of the view: its place among the input's + 1, or 0
     // Most tiles have no mirror: all steps but the first look at those alone that have, and at the tiles around them.

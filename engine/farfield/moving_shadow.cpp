@@ -1,81 +1,231 @@
-#include "engine/farfield/moving_shadow.h"
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "engine/farfield/moving_shadow.cpp"
+#include <hwy/foreach_target.h>  // must come before highway.h
+#include <hwy/highway.h>
 
-#include <algorithm>
 #include <bit>
-#include <glm/geometric.hpp>
 #include <limits>
 
-namespace ff::farfield {
-namespace {
+#include "engine/farfield/lane_bits-inl.h"
+#include "engine/farfield/moving_shadow.h"
 
-/// Whether the ball may stand between the sun and a ball of `radius` round a point, both relative to the same origin.
-bool may_shade(const DVec3& to_sphere, double radii, const DVec3& sun) {
-    const double along = std::max(0.0, glm::dot(to_sphere, sun));  // shadows fall away from the sun
-    const DVec3 beside = to_sphere - along * sun;
-    return glm::dot(beside, beside) <= radii * radii;
+#ifndef FF_MOVING_SHADOW_SHARED_
+#define FF_MOVING_SHADOW_SHARED_
+namespace ff::farfield::moving {
+
+constexpr int kPixels = kTileSize * kTileSize;
+/// Stands for "no surface here": nothing is within so little of anything.
+constexpr float kNothing = -1e30f;
+
+/// What casts shadows, by MovingShadows::Column; padded to vectors of kTileSize.
+struct Casters {
+    const float* columns[MovingShadows::column_count];
+    std::size_t count;
+    float grow[3];  ///< what a metre more round a box takes up across the axis
+};
+
+/// A tile's pixels. A point at depth 1 lies at `first` + i * `column` + j * `row`: its cross product with the sun's
+/// direction, and its way along that.
+struct Points {
+    const std::uint32_t* instances;
+    const float* depths;
+    std::ptrdiff_t stride;
+    const std::uint16_t* rows;
+    float first[4], column[4], row[4];
+    float margin;  ///< metres round a point that count as it, at depth 1
+};
+
+}  // namespace ff::farfield::moving
+#endif
+
+HWY_BEFORE_NAMESPACE();
+namespace ff::farfield::moving {
+namespace HWY_NAMESPACE {
+namespace {
+namespace hn = hwy::HWY_NAMESPACE;
+
+using F = hn::CappedTag<float, kTileSize>;
+using U = hn::RebindToUnsigned<F>;
+constexpr F f;
+constexpr U ui;
+using VF = hn::Vec<F>;
+
+VF splat(float x) {
+    return hn::Set(f, x);
 }
 
-/// The same for each requested pixel's own point: a tile that sees the foreground and the distance has a large ball
-/// round what it sees, and most shadows in that fall on nothing that it does see.
-bool shades_a_pixel(const PinholeView& view, const VisibilityBuffer& visibility, const TileRequest& tile,
-                    const MovingSphere& sphere, const DVec3& sun) {
-    const DVec3 center = sphere.center - view.position;
-    // Neighbours' light is taken for a pixel's, so two pixels beside the shadow count as in it.
-    const double margin = 2.5 * double(view.pixel_angle());
-    const DVec3 right(DVec3(view.world_from_camera[0]) * double(view.u_step));
+/// A tile's points, and what they take up.
+struct Seen {
+    alignas(64) float place[4][kPixels];  ///< three across the sun's direction, one along it
+    alignas(64) float margin[kPixels];    ///< kNothing where no surface is
+    int count = 0;                        ///< pixels of the rows that ask
+    float low[3], high[3];
+    float least_along, most_margin;
+};
+
+/// @return whether there are any
+bool gather(const Points& points, Seen& seen) {
+    constexpr float kInfinity = std::numeric_limits<float>::infinity();
+    const VF infinity = splat(kInfinity), minus_infinity = splat(-kInfinity);
+    VF low[4] = {infinity, infinity, infinity, infinity};
+    VF high[3] = {minus_infinity, minus_infinity, minus_infinity};
+    VF most_margin = splat(kNothing);
+    const int lanes = int(hn::Lanes(f));
     for (int j = 0; j < kTileSize; ++j) {
-        const std::size_t first = visibility.index(tile.x, tile.y + j);
-        const DVec3 left(view.direction(tile.x, tile.y + j));
-        for (std::uint32_t bits = tile.rows[j]; bits != 0; bits &= bits - 1) {
-            const int i = std::countr_zero(bits);
-            const std::size_t at = first + std::size_t(i);
-            if (visibility.instance[at] >= kUnresolved) continue;
-            const double depth = double(visibility.depth[at]);
-            const DVec3 point = (left + double(i) * right) * depth;
-            const double beside = margin * depth;
-            if (!may_shade(center - point, sphere.radius + beside, sun)) continue;
-            if (sphere.box.is_empty()) return true;
-            const DBox3 box{sphere.box.low - beside, sphere.box.high + beside};
-            const DVec3 from = view.position + point;
-            const double beyond = 2.0 * sphere.radius + glm::length(center - point);
-            if (meets_segment(box, from, sun * beyond)) return true;
+        if (points.rows[j] == 0) continue;
+        const std::uint32_t* const instances = points.instances + j * points.stride;
+        const float* const depths = points.depths + j * points.stride;
+        for (int i = 0; i < kTileSize; i += lanes) {
+            const std::uint8_t bits[8] = {std::uint8_t(points.rows[j] >> i), std::uint8_t(points.rows[j] >> i >> 8)};
+            const auto is_surface =
+                hn::And(hn::LoadMaskBits(f, bits),
+                        hn::RebindMask(f, hn::Lt(hn::LoadU(ui, instances + i), hn::Set(ui, kUnresolved))));
+            const VF depth = hn::LoadU(f, depths + i);
+            const VF x = hn::ConvertTo(f, hn::Iota(hn::RebindToSigned<F>(), i));
+            for (int k = 0; k < 4; ++k) {
+                const VF at_one =
+                    hn::MulAdd(x, splat(points.column[k]), splat(points.first[k] + float(j) * points.row[k]));
+                const VF place = hn::Mul(at_one, depth);
+                hn::Store(place, f, seen.place[k] + seen.count);
+                low[k] = hn::Min(low[k], hn::IfThenElse(is_surface, place, infinity));
+                if (k < 3) high[k] = hn::Max(high[k], hn::IfThenElse(is_surface, place, minus_infinity));
+            }
+            const VF margin = hn::IfThenElse(is_surface, hn::Mul(splat(points.margin), depth), splat(kNothing));
+            hn::Store(margin, f, seen.margin + seen.count);
+            most_margin = hn::Max(most_margin, margin);
+            seen.count += lanes;
         }
+    }
+    for (int k = 0; k < 3; ++k) {
+        seen.low[k] = hn::GetLane(hn::MinOfLanes(f, low[k]));
+        seen.high[k] = hn::GetLane(hn::MaxOfLanes(f, high[k]));
+    }
+    seen.least_along = hn::GetLane(hn::MinOfLanes(f, low[3]));
+    seen.most_margin = hn::GetLane(hn::MaxOfLanes(f, most_margin));
+    return seen.least_along < kInfinity;
+}
+
+/// Whether a caster's shadow falls on one of the points.
+bool falls_on_one(const Casters& casters, std::size_t caster, const Seen& seen) {
+    const auto of = [&](int column) HWY_ATTR { return splat(casters.columns[column][caster]); };
+    const VF radius = of(MovingShadows::radius);
+    for (int p = 0; p < seen.count; p += int(hn::Lanes(f))) {
+        const VF margin = hn::Load(f, seen.margin + p), reach = hn::Add(radius, margin);
+        auto hit = hn::Ge(hn::Sub(of(MovingShadows::along), hn::Load(f, seen.place[3] + p)), hn::Neg(reach));
+        VF square = hn::Zero(f);
+        for (int k = 0; k < 3; ++k) {
+            const VF beside = hn::Sub(of(MovingShadows::axis_x + k), hn::Load(f, seen.place[k] + p));
+            const VF half = hn::MulAdd(splat(casters.grow[k]), margin, of(MovingShadows::half_x + k));
+            hit = hn::And(hit, hn::Le(hn::Abs(beside), half));
+            square = hn::MulAdd(beside, beside, square);
+        }
+        hit = hn::And(hit, hn::Le(square, hn::Mul(reach, reach)));
+        if (!hn::AllFalse(f, hit)) return true;
     }
     return false;
 }
 
 }  // namespace
 
-bool may_be_shaded(const PinholeView& view, const VisibilityBuffer& visibility, const TileRequest& tile,
-                   std::span<const MovingSphere> moving, const Vec3& to_sun) {
-    if (moving.empty()) return false;
-    float near = std::numeric_limits<float>::infinity(), far = 0.0f;
-    for (int j = 0; j < kTileSize; ++j) {
-        const std::size_t first = visibility.index(tile.x, tile.y + j);
-        for (std::uint32_t bits = tile.rows[j]; bits != 0; bits &= bits - 1) {
-            const std::size_t at = first + std::size_t(std::countr_zero(bits));
-            if (visibility.instance[at] >= kUnresolved) continue;
-            near = std::min(near, visibility.depth[at]);
-            far = std::max(far, visibility.depth[at]);
+bool MayFallOn(const Casters& casters, const Points& points) {
+    Seen seen;
+    if (!gather(points, seen)) return false;
+    const VF margin = splat(seen.most_margin);
+    for (std::size_t c = 0; c < casters.count; c += hn::Lanes(f)) {
+        const auto of = [&](int column) HWY_ATTR { return hn::LoadU(f, casters.columns[column] + c); };
+        auto hit = hn::Ge(hn::Sub(of(MovingShadows::along), splat(seen.least_along)),
+                          hn::Neg(hn::Add(of(MovingShadows::radius), margin)));
+        for (int k = 0; k < 3; ++k) {
+            const VF axis = of(MovingShadows::axis_x + k);
+            const VF half = hn::MulAdd(splat(casters.grow[k]), margin, of(MovingShadows::half_x + k));
+            hit = hn::And(hit, hn::And(hn::Ge(hn::Add(axis, half), splat(seen.low[k])),
+                                       hn::Le(hn::Sub(axis, half), splat(seen.high[k]))));
         }
+        for (std::uint32_t left = farfield::HWY_NAMESPACE::lane_bits(f, hit); left != 0; left &= left - 1)
+            if (falls_on_one(casters, c + std::size_t(std::countr_zero(left)), seen)) return true;
     }
-    if (!(near <= far)) return false;
-    // The ball round the corners of what the tile sees.
-    DVec3 corners[8], centre(0.0);
-    for (int k = 0; k < 8; ++k) {
-        const int x = tile.x + (k & 1) * kTileSize, y = tile.y + (k >> 1 & 1) * kTileSize;
-        const DVec3 ray = DMat3(view.world_from_camera) *
-                          DVec3(double(x) * view.u_step + view.u_first, double(y) * view.v_step + view.v_first, -1.0);
-        corners[k] = ray * double(k < 4 ? near : far);
-        centre += corners[k] / 8.0;
-    }
-    double radius = 0.0;
-    for (const DVec3& corner : corners) radius = std::max(radius, glm::length(corner - centre));
+    return false;
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace ff::farfield::moving
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+#include <algorithm>
+#include <glm/geometric.hpp>
+
+namespace ff::farfield {
+namespace moving {
+HWY_EXPORT(MayFallOn);
+}
+
+namespace {
+
+/// Rounding of numbers that are made in float32 from metres round the eye, as a share of them.
+constexpr double kRounding = 2.5e-7;
+/// Neighbours' light is taken for a pixel's, so two pixels beside the shadow count as in it.
+constexpr double kMarginPx = 2.5;
+
+/// What a box takes up across an axis, as the cross product of both spans it.
+DVec3 across(const DVec3& half, const DVec3& axis) {
+    const DVec3 a = glm::abs(axis);
+    return {half.y * a.z + half.z * a.y, half.z * a.x + half.x * a.z, half.x * a.y + half.y * a.x};
+}
+
+}  // namespace
+
+void MovingShadows::begin(const PinholeView& view, std::span<const MovingSphere> moving, const Vec3& to_sun) {
+    view_ = view;
+    to_sun_ = to_sun;
+    count_ = moving.size();
+    const std::size_t padded = (count_ + kTileSize - 1) / kTileSize * kTileSize;
+    // A radius of kNothing touches nothing.
+    for (std::size_t k = 0; k < data_.size(); ++k) data_[k].assign(padded, k == radius ? moving::kNothing : 0.0f);
     const DVec3 sun(to_sun);
-    return std::any_of(moving.begin(), moving.end(), [&](const MovingSphere& sphere) {
-        return may_shade(sphere.center - view.position - centre, radius + sphere.radius, sun) &&
-               shades_a_pixel(view, visibility, tile, sphere, sun);
-    });
+    for (std::size_t i = 0; i < count_; ++i) {
+        const MovingSphere& ball = moving[i];
+        const DVec3 center = ball.center - view.position;
+        const DVec3 in_box = ball.box.is_empty() ? center : ball.box.center() - view.position;
+        // The box lies in the ball, so both may be asked round the ball's centre: the box is widened to reach it.
+        const DVec3 half =
+            ball.box.is_empty() ? DVec3(ball.radius) : ball.box.extent() * 0.5 + glm::abs(in_box - center);
+        const double slack = kRounding * glm::length(center);
+        const DVec3 axis = glm::cross(center, sun), taken = across(half, sun) + slack;
+        for (int k = 0; k < 3; ++k) {
+            data_[std::size_t(axis_x + k)][i] = float(axis[k]);
+            data_[std::size_t(half_x + k)][i] = float(taken[k]);
+        }
+        data_[along][i] = float(glm::dot(center, sun));
+        data_[radius][i] = float(ball.radius + slack);
+    }
+}
+
+bool MovingShadows::may_fall_on(const VisibilityBuffer& visibility, const TileRequest& tile) const {
+    if (is_empty()) return false;
+    const std::size_t at = visibility.index(tile.x, tile.y);
+    const DVec3 sun(to_sun_), grow = across(DVec3(1.0), sun);
+    const DMat3 to_world(view_.world_from_camera);
+    const DVec3 first = to_world * DVec3((double(tile.x) + 0.5) * double(view_.u_step) + double(view_.u_first),
+                                         (double(tile.y) + 0.5) * double(view_.v_step) + double(view_.v_first), -1.0);
+    const DVec3 rays[3] = {first, to_world[0] * double(view_.u_step), to_world[1] * double(view_.v_step)};
+    moving::Casters casters{};
+    for (std::size_t k = 0; k < data_.size(); ++k) casters.columns[k] = data_[k].data();
+    casters.count = data_[0].size();
+    moving::Points points{.instances = visibility.instance.data() + at,
+                          .depths = visibility.depth.data() + at,
+                          .stride = visibility.stride,
+                          .rows = tile.rows,
+                          .margin = float(kMarginPx) * view_.pixel_angle()};
+    float* const places[3] = {points.first, points.column, points.row};
+    for (int i = 0; i < 3; ++i) {
+        const DVec3 axis = glm::cross(rays[i], sun);
+        for (int k = 0; k < 3; ++k) places[i][k] = float(axis[k]);
+        places[i][3] = float(glm::dot(rays[i], sun));
+    }
+    for (int k = 0; k < 3; ++k) casters.grow[k] = float(grow[k]);
+    return HWY_DYNAMIC_DISPATCH(moving::MayFallOn)(casters, points);
 }
 
 }  // namespace ff::farfield
+#endif

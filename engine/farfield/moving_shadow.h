@@ -1,7 +1,10 @@
 #pragma once
 // Where the shadows of what moves may fall: only there is the light of last frame, or of the panorama, not trusted.
 
+#include <array>
+#include <cstdint>
 #include <span>
+#include <vector>
 
 #include "engine/farfield/visibility_buffer.h"
 #include "engine/math/bounds.h"
@@ -17,10 +20,29 @@ struct MovingSphere {
     DBox3 box;            ///< in the ball, world: where in it the thing is; empty: anywhere
 };
 
-/// Whether one of them may stand between the sun and what the requested pixels see. Never false where one does; pixels
-/// without a surface are left out.
-/// @param to_sun  unit, world
-[[nodiscard]] bool may_be_shaded(const PinholeView& view, const VisibilityBuffer& visibility, const TileRequest& tile,
-                                 std::span<const MovingSphere> moving, const Vec3& to_sun);
+/// The shadows of all that moves, made ready to be asked about one tile after the other.
+/// Threads: may_fall_on() may be called by any number at once. Steady calls allocate nothing.
+class MovingShadows {
+  public:
+    /// @param view    of the tiles that will be asked about; copied
+    /// @param to_sun  unit, world
+    void begin(const PinholeView& view, std::span<const MovingSphere> moving, const Vec3& to_sun);
+
+    [[nodiscard]] bool is_empty() const { return count_ == 0; }
+
+    /// Whether one of them may stand between the sun and what the requested pixels see. Never false where one does;
+    /// pixels without a surface are left out.
+    [[nodiscard]] bool may_fall_on(const VisibilityBuffer& visibility, const TileRequest& tile) const;
+
+    /// Columns of numbers a caster: its centre's cross product with the sun's direction, which is where its shadow's
+    /// axis lies; how far towards the sun it stands; what its box takes up round the axis, and its ball.
+    enum Column { axis_x, axis_y, axis_z, along, half_x, half_y, half_z, radius, column_count };
+
+  private:
+    PinholeView view_;
+    Vec3 to_sun_{0.0f};
+    std::size_t count_ = 0;                              // of casters; columns are padded to whole vectors
+    std::array<std::vector<float>, column_count> data_;  // metres, relative to the eye
+};
 
 }  // namespace ff::farfield

@@ -349,6 +349,7 @@ void SunHistory::begin_frame(const SunHistoryInput& input) {
     moving_.assign(last_moving_.begin(), last_moving_.end());
     moving_.insert(moving_.end(), input.moving.begin(), input.moving.end());
     last_moving_.assign(input.moving.begin(), input.moving.end());
+    shadows_.begin(input.view, moving_, input.to_sun);
     undecided_.assign(input.tiles.begin(), input.tiles.end());
 }
 
@@ -379,7 +380,7 @@ std::uint64_t SunHistory::reuse(const SunHistoryInput& input, std::uint8_t* lit,
             tiles[t - begin] = {.x = request.x,
                                 .y = request.y,
                                 .ask = knows && !is_due(request, frame_, input.refresh_frames) &&
-                                       !may_be_shaded(input.view, visibility, request, moving_, input.to_sun),
+                                       !shadows_.may_fall_on(visibility, request),
                                 .static_instances = input.static_instances,
                                 .instances = visibility.instance.data() + first,
                                 .depths = at_border ? block + sun::kBlockStride + 1 : visibility.depth.data() + first,

@@ -74,6 +74,7 @@ class SunHistory {
     Records last_, current_;
     Vec3 to_sun_{0.0f};
     std::vector<MovingSphere> last_moving_, moving_;  ///< of the last frame; of the last frame and this one
+    MovingShadows shadows_;                           ///< scratch: of `moving_`
     std::uint64_t frame_ = 0;
     std::vector<TileRequest> undecided_;  ///< scratch: one for each tile of the input
 };

@@ -74,24 +74,8 @@ CastCost SunRays::cast(const PinholeView& view, const VisibilityBuffer& visibili
                        std::span<const scene::Instance> dynamic, const Vec3& to_sun, std::uint8_t* lit) {
     FF_CHECK(visibility.width >= view.width && visibility.height >= view.height, "view {} x {}, buffer {} x {}",
              view.width, view.height, visibility.width, visibility.height);
-    const scene::StaticScene& others = moving(dynamic);
-    const LightFrame light(to_sun);
-    CastCostSum shared;
-    parallel_ranges(tiles.size(), kTilesPerTask, [&](std::size_t begin, std::size_t end) {
-        CastCost cost;
-        KnownOccluders known;
-        while (begin < end) {
-            PointPool pool;
-            for (int i = 0; i < PointPool::kTiles && begin < end; ++i)
-                gather_tile(scene_, dynamic, view, light, visibility, tiles[begin++], lit, pool);
-            // While rays are cast, the next tiles' pixels come.
-            for (std::size_t i = begin; i < std::min(begin + PointPool::kTiles, tiles.size()); ++i)
-                prefetch_tile(visibility, tiles[i], lit);
-            cast_pool(scene_, others, pool, view.position, light, known, lit, cost);
-        }
-        shared.add(cost);
-    });
-    return shared.total();
+    begin_tiles(dynamic, to_sun);
+    return cast_tiles(view, visibility, tiles, lit);
 }
 
 void SunRays::begin_tiles(std::span<const scene::Instance> dynamic, const Vec3& to_sun) {
@@ -99,15 +83,25 @@ void SunRays::begin_tiles(std::span<const scene::Instance> dynamic, const Vec3& 
     to_sun_ = to_sun;
 }
 
-CastCost SunRays::cast_tile(const PinholeView& view, const VisibilityBuffer& visibility, const TileRequest& tile,
-                            std::uint8_t* lit) const {
+CastCost SunRays::cast_tiles(const PinholeView& view, const VisibilityBuffer& visibility,
+                             std::span<const TileRequest> tiles, std::uint8_t* lit) const {
     const LightFrame light(to_sun_);
-    CastCost cost;
-    KnownOccluders known;
-    PointPool pool;
-    gather_tile(scene_, moving_.instances, view, light, visibility, tile, lit, pool);
-    cast_pool(scene_, moving_, pool, view.position, light, known, lit, cost);
-    return cost;
+    CastCostSum shared;
+    parallel_ranges(tiles.size(), kTilesPerTask, [&](std::size_t begin, std::size_t end) {
+        CastCost cost;
+        KnownOccluders known;
+        while (begin < end) {
+            PointPool pool;
+            for (int i = 0; i < PointPool::kTiles && begin < end; ++i)
+                gather_tile(scene_, moving_.instances, view, light, visibility, tiles[begin++], lit, pool);
+            // While rays are cast, the next tiles' pixels come.
+            for (std::size_t i = begin; i < std::min(begin + PointPool::kTiles, tiles.size()); ++i)
+                prefetch_tile(visibility, tiles[i], lit);
+            cast_pool(scene_, moving_, pool, view.position, light, known, lit, cost);
+        }
+        shared.add(cost);
+    });
+    return shared.total();
 }
 
 CastCost SunRays::cast_points(const WorldPos& origin, std::span<const SunPoint> points,

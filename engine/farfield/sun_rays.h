@@ -64,12 +64,12 @@ class SunRays {
     CastCost cast_points(const WorldPos& origin, std::span<const SunPoint> points,
                          std::span<const scene::Instance> dynamic, const Vec3& to_sun, std::uint8_t* lit);
 
-    /// Makes ready for cast_tile().
+    /// Makes ready for cast_tiles().
     /// @param dynamic  as in cast(); has to outlive the calls
     void begin_tiles(std::span<const scene::Instance> dynamic, const Vec3& to_sun);
-    /// As cast(), for one tile. Unlike it, any workers may call this at once, for tiles of their own.
-    CastCost cast_tile(const PinholeView& view, const VisibilityBuffer& visibility, const TileRequest& tile,
-                       std::uint8_t* lit) const;
+    /// As cast(). Unlike it, any workers may call this at once, for tiles of their own.
+    CastCost cast_tiles(const PinholeView& view, const VisibilityBuffer& visibility, std::span<const TileRequest> tiles,
+                        std::uint8_t* lit) const;
 
   private:
     // The scene with these instances, and a tree over them, in place of its own.
@@ -78,7 +78,7 @@ class SunRays {
     scene::StaticScene scene_;
     scene::StaticScene moving_;
     scene::MovingBvh moving_bvh_;
-    Vec3 to_sun_{0.0f, 1.0f, 0.0f};  // of cast_tile()
+    Vec3 to_sun_{0.0f, 1.0f, 0.0f};  // of cast_tiles()
 };
 
 }  // namespace ff::farfield

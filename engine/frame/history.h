@@ -21,6 +21,7 @@
 #include "engine/frame/settings.h"
 #include "engine/frame/stats.h"
 #include "engine/frame/sun_pass.h"
+#include "engine/frame/view_lights.h"
 #include "engine/math/camera.h"
 #include "engine/shading/layer_pass.h"
 #include "engine/shading/shading_pass.h"
@@ -62,8 +63,7 @@ struct FrameHistory {
     budget::Governor governor;
     budget::Outlook outlook;  ///< drawn from the last frame's visibility
     effects::Daylight daylight;
-    shading::Waves waves;                       ///< scratch: of this frame
-    std::vector<shading::LampLight> lamps;      ///< scratch: lit ones in view
+    ViewLights lights;                          ///< scratch: of the view that is shaded
     std::unique_ptr<effects::Shelter> shelter;  ///< made when something falls
     farfield::HorizonMap horizon;
     farfield::OpacityRaster opacity;
@@ -93,6 +93,7 @@ struct FrameHistory {
     MovingTiles swaying_tiles;                     ///< scratch: likewise
     double swaying_share = 0.0;                    ///< of the last frame's tiles, where a panorama was asked
     std::vector<farfield::MovingSphere> moving;    ///< scratch: balls round what moves
+    farfield::MovingShadows moving_shadows;        ///< scratch: of that
     std::vector<farfield::MovingSphere> mirrored;  ///< scratch: those that mirrors may show
     std::vector<farfield::TileRequest> all_tiles;
     bool can_rasterise = false;  ///< there is OpenGL to draw a near field with

@@ -34,9 +34,9 @@ void draw_known_frame(const FramePlan& plan, const Tools& tools, FrameHistory& h
         find_sun(plan, tools.scene, visibility, history.all_tiles, nullptr, history.sun, stats);
     const shading::Reflections* const reflections = find_reflections(plan, tools, history.all_tiles, history, stats);
     const TimedPass timed(stats, Pass::shade);
-    stats.shaded_pixels =
-        shading::shade_tiles(tools.scene, plan.dynamic, plan.view, visibility, history.all_tiles,
-                             shade_settings(plan, tools, plan.view, sun_seen, history, stats, reflections), image);
+    stats.shaded_pixels = shading::shade_tiles(
+        tools.scene, plan.dynamic, plan.view, visibility, history.all_tiles,
+        shade_settings(plan, tools, plan.view, sun_seen, history.lights, stats, reflections), image);
 }
 
 }  // namespace ff::frame

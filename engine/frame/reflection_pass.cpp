@@ -1,8 +1,10 @@
 #include "engine/frame/reflection_pass.h"
 
 #include <algorithm>
+#include <atomic>
 #include <bit>
 
+#include "engine/core/jobs.h"
 #include "engine/frame/history.h"
 #include "engine/frame/run_passes.h"
 #include "engine/frame/shade_settings.h"
@@ -112,15 +114,28 @@ std::uint64_t cast_mirrors(const effects::MirrorInput& input, ReflectionWork& wo
     return rays;
 }
 
-void shade_mirror(const FramePlan& plan, const Tools& tools, std::span<const scene::Instance> dynamic,
-                  const PinholeView& view, std::span<const TileRequest> tiles, FrameHistory& history,
-                  ReflectionWork& work, FrameStats& stats) {
-    const std::uint8_t* const sun_seen =
-        find_sun_in_mirror(plan, tools.scene, view, dynamic, work.visibility, tiles, work.sun_seen, history.sun, stats);
-    shading::ShadeSettings settings = shade_settings(plan, tools, view, sun_seen, history, stats);
-    settings.plain_srgb = true;  // what looks it up is shown by film itself
-    shading::shade_tiles(tools.scene, dynamic, view, work.visibility, tiles, settings, work.image);
-    mark_sky(tiles, work.visibility, work.image);
+/// Mirrors side by side: most have but a few tiles, whose pixels no other mirror has.
+void shade_mirrors(const FramePlan& plan, const Tools& tools, std::span<const scene::Instance> dynamic,
+                   FrameHistory& history, ReflectionWork& work, FrameStats& stats) {
+    const farfield::SunRays* const sun = begin_sun_rays(plan, tools.scene, dynamic, history.sun);
+    std::uint8_t* const sun_seen = work.sun_seen.data();
+    for (std::size_t i = 0; i < work.requests.size(); ++i) {
+        auto& [lights, settings] = work.looks[i];
+        settings = shade_settings(plan, tools, work.requests[i].view, sun ? sun_seen : nullptr, lights, stats);
+        settings.plain_srgb = true;  // what looks it up is shown by film itself
+    }
+    if (sun != nullptr) {
+        std::atomic<std::uint64_t> rays{0};
+        parallel_for(work.requests.size(), [&](std::size_t i) {
+            rays += sun->cast_tiles(work.requests[i].view, work.visibility, work.requests[i].tiles, sun_seen).rays;
+        });
+        count_sun_rays(rays, stats);
+    }
+    parallel_for(work.requests.size(), [&](std::size_t i) {
+        const auto& [view, before, tiles] = work.requests[i];
+        shading::shade_tiles(tools.scene, dynamic, view, work.visibility, tiles, work.looks[i].settings, work.image);
+        mark_sky(tiles, work.visibility, work.image);
+    });
 }
 
 /// Casts and shades what the mirrors of a view show.
@@ -140,8 +155,7 @@ const shading::Reflections* show(const FramePlan& plan, const Tools& tools, cons
     const std::uint64_t rays = cast_mirrors(input, work);
     stats.rays += rays;
     stats.work(effects::EffectId::reflections).rays += rays;
-    for (const farfield::MirrorRequest& mirror : work.requests)
-        shade_mirror(plan, tools, input.dynamic, mirror.view, mirror.tiles, history, work, stats);
+    shade_mirrors(plan, tools, input.dynamic, history, work, stats);
     work.shown.depth = work.visibility.depth.data();
     return &work.shown;
 }
@@ -161,6 +175,7 @@ ReflectionWork::ReflectionWork(const scene::StaticScene& scene, int width, int h
     covered.reset(most_x, most_y);
     moving.reserve(most_x, most_y);
     requests.reserve(effects::Mirrors::kMost);
+    looks.resize(effects::Mirrors::kMost);
     caster.reserve(effects::Mirrors::kMost, most_x, most_y);
     sun_seen = ZeroPageVector<std::uint8_t>(visibility.depth.size());
 }

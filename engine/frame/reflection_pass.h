@@ -12,6 +12,7 @@
 #include "engine/frame/dynamic_overlay.h"
 #include "engine/frame/plan.h"
 #include "engine/frame/stats.h"
+#include "engine/frame/view_lights.h"
 #include "engine/shading/reflections.h"
 
 namespace ff::frame {
@@ -27,6 +28,12 @@ struct ReflectionWork {
     ReflectionWork(const scene::StaticScene& scene, int width, int height, int least_step);
     [[nodiscard]] bool fits(int width, int height) const { return width == width_ && height == height_; }
 
+    /// How what a mirror shows is shaded.
+    struct Look {
+        ViewLights lights;
+        shading::ShadeSettings settings;
+    };
+
     effects::Mirrors mirrors;
     farfield::MirrorCaster caster;
     std::vector<farfield::MirrorRequest> requests;  ///< of this frame
@@ -34,6 +41,7 @@ struct ReflectionWork {
     farfield::VisibilityBuffer visibility;  ///< of the mirrored views, all of them in one
     farfield::PixelMask covered;            ///< scratch: by what moves
     ZeroPageVector<std::uint8_t> sun_seen;
+    std::vector<Look> looks;  ///< by mirror
     shading::Image image;
     shading::Reflections shown{.image = image, .depth = nullptr};
     int step = kFirstStep;  ///< of the next frame

@@ -64,9 +64,9 @@ void draw_reprojected_frame(const FramePlan& plan, const Tools& tools, FrameHist
         find_sun(plan, tools.scene, history.visibility, history.all_tiles, nullptr, history.sun, stats);
     const shading::Reflections* const reflections = find_reflections(plan, tools, history.all_tiles, history, stats);
     const TimedPass timed(stats, Pass::shade);
-    stats.shaded_pixels =
-        shading::shade_tiles(tools.scene, plan.dynamic, plan.view, history.visibility, history.all_tiles,
-                             shade_settings(plan, tools, plan.view, sun_seen, history, stats, reflections), image);
+    stats.shaded_pixels = shading::shade_tiles(
+        tools.scene, plan.dynamic, plan.view, history.visibility, history.all_tiles,
+        shade_settings(plan, tools, plan.view, sun_seen, history.lights, stats, reflections), image);
 }
 
 }  // namespace ff::frame

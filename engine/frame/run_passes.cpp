@@ -103,15 +103,17 @@ void subtract(std::span<const TileRequest> wanted, std::span<const TileRequest> 
 }
 
 /// Takes tiles on which the shadow of something that moves may fall out of a mask of finished colours.
-void take_out_shaded(const FramePlan& plan, const scene::StaticScene& scene,
-                     std::span<const farfield::MovingSphere> moving, std::span<const TileRequest> tiles,
+void take_out_shaded(const farfield::MovingShadows& shadows, std::span<const TileRequest> tiles,
                      const farfield::VisibilityBuffer& visibility, PixelMask& coloured) {
-    for (const TileRequest& tile : tiles) {
-        farfield::TileMask& mask = tile_of(coloured, tile);
-        if (std::any_of(std::begin(mask.rows), std::end(mask.rows), [](std::uint16_t row) { return row != 0; }) &&
-            farfield::may_be_shaded(plan.view, visibility, tile, moving, scene.environment.to_sun))
-            mask = {};
-    }
+    constexpr std::size_t kTilesPerTask = 64;
+    parallel_ranges(tiles.size(), kTilesPerTask, [&](std::size_t begin, std::size_t end) {
+        for (const TileRequest& tile : tiles.subspan(begin, end - begin)) {
+            farfield::TileMask& mask = tile_of(coloured, tile);
+            if (std::any_of(std::begin(mask.rows), std::end(mask.rows), [](std::uint16_t row) { return row != 0; }) &&
+                shadows.may_fall_on(visibility, tile))
+                mask = {};
+        }
+    });
 }
 
 bool falls(const FramePlan& plan) {
@@ -192,13 +194,12 @@ void blend_layers(const FramePlan& plan, const Tools& tools, FrameHistory& histo
     const TimedEffect timed_effect(stats, effects::EffectId::transparency);
     const farfield::LayerScene layers{tools.scene, tools.layer_index,
                                       plan.dynamic.empty() ? nullptr : &tools.dynamic_overlay.moving()};
-    const farfield::SunRays* const sun = begin_sun_of_layers(plan, tools.scene, history.sun);
+    const farfield::SunRays* const sun = begin_sun_rays(plan, tools.scene, plan.dynamic, history.sun);
     const shading::LayerCounts counts = shading::blend_layers(
         layers, plan.view, history.visibility, history.all_tiles,
-        shade_settings(plan, tools, plan.view, nullptr, history, stats), sun, history.layers, image);
+        shade_settings(plan, tools, plan.view, nullptr, history.lights, stats), sun, history.layers, image);
     stats.layers = counts.shaded;
-    stats.sun_rays += counts.sun_rays;
-    stats.work(effects::EffectId::sun_shadows).rays += counts.sun_rays;
+    count_sun_rays(counts.sun_rays, stats);
 }
 
 void draw_fall(const FramePlan& plan, const Tools& tools, FrameHistory& history, shading::Image& image,
@@ -290,9 +291,10 @@ void fill_chosen(const FramePlan& plan, const Tools& tools, FrameHistory& histor
             find_reflections_of_panorama(plan, tools, view, texels, history, stats);
         {
             const TimedPass timed(stats, Pass::shade);
-            stats.shaded_pixels += shading::shade_tiles(
-                tools.scene, {}, view, panorama.map(), texels,
-                shade_settings(plan, tools, view, sun_seen, history, stats, reflections), history.panorama_colors);
+            stats.shaded_pixels +=
+                shading::shade_tiles(tools.scene, {}, view, panorama.map(), texels,
+                                     shade_settings(plan, tools, view, sun_seen, history.lights, stats, reflections),
+                                     history.panorama_colors);
         }
         const TimedPass timed(stats, Pass::store);
         mark_mirrors(plan, tools.scene, panorama.map(), texels, history.panorama_marks);
@@ -496,8 +498,10 @@ void draw_surfaces(const FramePlan& plan, const Tools& tools, FrameHistory& hist
         remove(sources.verified, coloured);
         if (plan.look_up_panorama && plan.effects.is_active(effects::EffectId::reflections))
             show_resting_mirrors(plan, tools.scene, history, image);
-        if (plan.sun_shadows && !plan.dynamic.empty())
-            take_out_shaded(plan, tools.scene, history.moving, history.all_tiles, visibility, coloured);
+        if (plan.sun_shadows && !plan.dynamic.empty()) {
+            history.moving_shadows.begin(plan.view, history.moving, tools.scene.environment.to_sun);
+            take_out_shaded(history.moving_shadows, history.all_tiles, visibility, coloured);
+        }
         if (has_restless_mirrors(plan, history)) take_out_restless_mirrors(plan, tools.scene, history, coloured);
         const PixelMask* const done[] = {&coloured};
         collect_requests(history.all_tiles, done, history.to_shade);
@@ -508,9 +512,9 @@ void draw_surfaces(const FramePlan& plan, const Tools& tools, FrameHistory& hist
     const shading::Reflections* const reflections = find_reflections(plan, tools, history.to_shade, history, stats);
     {
         const TimedPass timed(stats, Pass::shade);
-        stats.shaded_pixels +=
-            shading::shade_tiles(tools.scene, plan.dynamic, plan.view, visibility, history.to_shade,
-                                 shade_settings(plan, tools, plan.view, sun_seen, history, stats, reflections), image);
+        stats.shaded_pixels += shading::shade_tiles(
+            tools.scene, plan.dynamic, plan.view, visibility, history.to_shade,
+            shade_settings(plan, tools, plan.view, sun_seen, history.lights, stats, reflections), image);
     }
     if (plan.store_panorama) {
         const TimedPass timed(stats, Pass::store);

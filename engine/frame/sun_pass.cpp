@@ -4,6 +4,7 @@
 #include <bit>
 #include <glm/geometric.hpp>
 
+#include "engine/core/jobs.h"
 #include "engine/frame/timed_pass.h"
 
 namespace ff::frame {
@@ -19,11 +20,6 @@ std::uint64_t count_pixels(std::span<const farfield::TileRequest> tiles) {
     for (const farfield::TileRequest& tile : tiles)
         for (const std::uint16_t row : tile.rows) count += std::uint64_t(std::popcount(row));
     return count;
-}
-
-void count_rays(std::uint64_t rays, FrameStats& stats) {
-    stats.sun_rays += rays;
-    stats.work(effects::EffectId::sun_shadows).rays += rays;
 }
 
 SunLight& made(const scene::StaticScene& scene, std::unique_ptr<SunLight>& sun) {
@@ -43,19 +39,30 @@ std::uint8_t* fit(const farfield::VisibilityBuffer& visibility, ZeroPageVector<s
 /// @return pixels answered
 std::uint64_t ask_panorama(const farfield::SunHistoryInput& input, farfield::Panorama& panorama, SunLight& light,
                            std::uint8_t* seen) {
-    const auto may_be_shaded = [&](const farfield::TileRequest& tile) {
-        return farfield::may_be_shaded(input.view, input.visibility, tile, light.moving, input.to_sun);
-    };
+    light.shadows.begin(input.view, input.moving, input.to_sun);
+    light.is_shaded.assign(input.tiles.size(), 0);
+    if (!light.shadows.is_empty()) {
+        constexpr std::size_t kTilesPerTask = 64;
+        parallel_ranges(input.tiles.size(), kTilesPerTask, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t t = begin; t < end; ++t)
+                light.is_shaded[t] = std::uint8_t(light.shadows.may_fall_on(input.visibility, input.tiles[t]));
+        });
+    }
     light.cast.clear();
     light.shaded.clear();
-    for (const farfield::TileRequest& tile : input.tiles)
-        (!light.moving.empty() && may_be_shaded(tile) ? light.shaded : light.cast).push_back(tile);
+    for (std::size_t t = 0; t < input.tiles.size(); ++t)
+        (light.is_shaded[t] != 0 ? light.shaded : light.cast).push_back(input.tiles[t]);
     const std::uint64_t answered = panorama.known_light(input.visibility, seen, light.cast);
     light.cast.insert(light.cast.end(), light.shaded.begin(), light.shaded.end());
     return answered;
 }
 
 }  // namespace
+
+void count_sun_rays(std::uint64_t rays, FrameStats& stats) {
+    stats.sun_rays += rays;
+    stats.work(effects::EffectId::sun_shadows).rays += rays;
+}
 
 void bound_moving(std::span<const scene::Instance> dynamic, std::vector<farfield::MovingSphere>& out) {
     out.clear();
@@ -99,7 +106,7 @@ const std::uint8_t* find_sun(const FramePlan& plan, const scene::StaticScene& sc
         if (knew && double(count_pixels(cast)) > kMostLeft * double(reused + count_pixels(cast)))
             light.pause_frames = kPauseFrames;
     }
-    count_rays(light.rays.cast(plan.view, visibility, cast, plan.dynamic, to_sun, seen).rays, stats);
+    count_sun_rays(light.rays.cast(plan.view, visibility, cast, plan.dynamic, to_sun, seen).rays, stats);
     if (reuse) light.history.commit(input, cast, seen);
     return seen;
 }
@@ -113,27 +120,15 @@ const std::uint8_t* find_sun_of_panorama(const FramePlan& plan, const scene::Sta
     const TimedEffect timed_effect(stats, effects::EffectId::sun_shadows);
     SunLight& light = made(scene, sun);
     std::uint8_t* const seen = panorama.light();
-    count_rays(light.rays.cast(view, panorama.map(), texels, {}, scene.environment.to_sun, seen).rays, stats);
+    count_sun_rays(light.rays.cast(view, panorama.map(), texels, {}, scene.environment.to_sun, seen).rays, stats);
     return seen;
 }
 
-const std::uint8_t* find_sun_in_mirror(const FramePlan& plan, const scene::StaticScene& scene, const PinholeView& view,
-                                       std::span<const scene::Instance> dynamic,
-                                       const farfield::VisibilityBuffer& visibility,
-                                       std::span<const farfield::TileRequest> tiles, ZeroPageVector<std::uint8_t>& seen,
-                                       std::unique_ptr<SunLight>& sun, FrameStats& stats) {
+const farfield::SunRays* begin_sun_rays(const FramePlan& plan, const scene::StaticScene& scene,
+                                        std::span<const scene::Instance> dynamic, std::unique_ptr<SunLight>& sun) {
     if (!plan.sun_shadows) return nullptr;
     SunLight& light = made(scene, sun);
-    std::uint8_t* const plane = fit(visibility, seen);
-    count_rays(light.rays.cast(view, visibility, tiles, dynamic, scene.environment.to_sun, plane).rays, stats);
-    return plane;
-}
-
-const farfield::SunRays* begin_sun_of_layers(const FramePlan& plan, const scene::StaticScene& scene,
-                                             std::unique_ptr<SunLight>& sun) {
-    if (!plan.sun_shadows) return nullptr;
-    SunLight& light = made(scene, sun);
-    light.rays.begin_tiles(plan.dynamic, plan.environment.to_sun);
+    light.rays.begin_tiles(dynamic, plan.environment.to_sun);
     return &light.rays;
 }
 

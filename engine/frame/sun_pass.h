@@ -25,6 +25,8 @@ struct SunLight {
     std::vector<farfield::TileRequest> cast;     ///< scratch: what reuse leaves
     std::vector<farfield::TileRequest> shaded;   ///< scratch: where shadows of what moves may fall
     std::vector<farfield::MovingSphere> moving;  ///< scratch: what moves, this frame
+    farfield::MovingShadows shadows;             ///< scratch: of that
+    std::vector<std::uint8_t> is_shaded;         ///< scratch: tiles that they may fall on
 };
 
 /// Balls round instances that move.
@@ -45,18 +47,13 @@ const std::uint8_t* find_sun_of_panorama(const FramePlan& plan, const scene::Sta
                                          farfield::Panorama& panorama, std::unique_ptr<SunLight>& sun,
                                          FrameStats& stats);
 
-/// Likewise for what a mirror shows, of which nothing is known either.
-/// @param view     of the eye's image behind the mirror
-/// @param dynamic  what moves and casts shadows
-/// @param seen     room for visibility
-const std::uint8_t* find_sun_in_mirror(const FramePlan& plan, const scene::StaticScene& scene, const PinholeView& view,
-                                       std::span<const scene::Instance> dynamic,
-                                       const farfield::VisibilityBuffer& visibility,
-                                       std::span<const farfield::TileRequest> tiles, ZeroPageVector<std::uint8_t>& seen,
-                                       std::unique_ptr<SunLight>& sun, FrameStats& stats);
+/// Makes ready for the sun rays of what is no pixel of the frame: transparent layers, what mirrors show. nullptr where
+/// the plan has no sun shadows.
+/// @param dynamic  what moves and casts shadows; has to outlive the casts
+const farfield::SunRays* begin_sun_rays(const FramePlan& plan, const scene::StaticScene& scene,
+                                        std::span<const scene::Instance> dynamic, std::unique_ptr<SunLight>& sun);
 
-/// Makes ready for the sun rays of transparent layers; nullptr where the plan has no sun shadows.
-const farfield::SunRays* begin_sun_of_layers(const FramePlan& plan, const scene::StaticScene& scene,
-                                             std::unique_ptr<SunLight>& sun);
+/// Counts rays that were cast by those, too.
+void count_sun_rays(std::uint64_t rays, FrameStats& stats);
 
 }  // namespace ff::frame

@@ -144,7 +144,7 @@ class TileBlender {
             }
             if (sun_ != nullptr)
                 counts_.sun_rays +=
-                    sun_->cast_tile(frame_.view, shared_.visibility, wanted, shared_.sun_seen.data()).rays;
+                    sun_->cast_tiles(frame_.view, shared_.visibility, {&wanted, 1}, shared_.sun_seen.data()).rays;
             counts_.shaded += shade_tile_batch(frame_, {&wanted, 1}, tile_scratch_);
             for (const std::uint8_t pixel : sorted_.pixels()) {
                 const std::size_t at = index_of(pixel);
