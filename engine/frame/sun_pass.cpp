@@ -12,7 +12,7 @@ namespace {
 
 /// Reuse pays while it leaves no more than this share of the pixels: strewn rays cost several times what those of whole
 /// tiles do. Where it leaves more it is tried again after a while.
-constexpr double kMostLeft = 0.22;
+constexpr double kMostLeft = 0.45;
 constexpr int kPauseFrames = 24;
 
 std::uint64_t count_pixels(std::span<const farfield::TileRequest> tiles) {
