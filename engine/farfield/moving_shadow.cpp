@@ -57,8 +57,7 @@ VF splat(float x) {
 /// A tile's points, and what they take up.
 struct Seen {
     alignas(64) float place[4][kPixels];  ///< three across the sun's direction, one along it
-    alignas(64) float margin[kPixels];    ///< kNothing where no surface is
-    int count = 0;                        ///< pixels of the rows that ask
+    alignas(64) float margin[kPixels];    ///< kNothing where nobody asks, or no surface is
     float low[3], high[3];
     float least_along, most_margin;
 };
@@ -82,18 +81,18 @@ bool gather(const Points& points, Seen& seen) {
                         hn::RebindMask(f, hn::Lt(hn::LoadU(ui, instances + i), hn::Set(ui, kUnresolved))));
             const VF depth = hn::LoadU(f, depths + i);
             const VF x = hn::ConvertTo(f, hn::Iota(hn::RebindToSigned<F>(), i));
+            const int at = j * kTileSize + i;
             for (int k = 0; k < 4; ++k) {
                 const VF at_one =
                     hn::MulAdd(x, splat(points.column[k]), splat(points.first[k] + float(j) * points.row[k]));
                 const VF place = hn::Mul(at_one, depth);
-                hn::Store(place, f, seen.place[k] + seen.count);
+                hn::Store(place, f, seen.place[k] + at);
                 low[k] = hn::Min(low[k], hn::IfThenElse(is_surface, place, infinity));
                 if (k < 3) high[k] = hn::Max(high[k], hn::IfThenElse(is_surface, place, minus_infinity));
             }
             const VF margin = hn::IfThenElse(is_surface, hn::Mul(splat(points.margin), depth), splat(kNothing));
-            hn::Store(margin, f, seen.margin + seen.count);
+            hn::Store(margin, f, seen.margin + at);
             most_margin = hn::Max(most_margin, margin);
-            seen.count += lanes;
         }
     }
     for (int k = 0; k < 3; ++k) {
@@ -105,11 +104,14 @@ bool gather(const Points& points, Seen& seen) {
     return seen.least_along < kInfinity;
 }
 
-/// Whether a caster's shadow falls on one of the points.
-bool falls_on_one(const Casters& casters, std::size_t caster, const Seen& seen) {
+/// Adds the asked pixels that a caster's shadow falls on.
+void add_shadow(const Casters& casters, std::size_t caster, const Seen& seen, const std::uint16_t* asked,
+                std::uint16_t* shaded) {
     const auto of = [&](int column) HWY_ATTR { return splat(casters.columns[column][caster]); };
     const VF radius = of(MovingShadows::radius);
-    for (int p = 0; p < seen.count; p += int(hn::Lanes(f))) {
+    for (int p = 0; p < kPixels; p += int(hn::Lanes(f))) {
+        const int row = p / kTileSize;
+        if (asked[row] == 0) continue;
         const VF margin = hn::Load(f, seen.margin + p), reach = hn::Add(radius, margin);
         auto hit = hn::Ge(hn::Sub(of(MovingShadows::along), hn::Load(f, seen.place[3] + p)), hn::Neg(reach));
         VF square = hn::Zero(f);
@@ -120,17 +122,19 @@ bool falls_on_one(const Casters& casters, std::size_t caster, const Seen& seen) 
             square = hn::MulAdd(beside, beside, square);
         }
         hit = hn::And(hit, hn::Le(square, hn::Mul(reach, reach)));
-        if (!hn::AllFalse(f, hit)) return true;
+        shaded[row] = std::uint16_t(shaded[row] | farfield::HWY_NAMESPACE::lane_bits(f, hit) << p % kTileSize);
     }
-    return false;
 }
 
 }  // namespace
 
-bool MayFallOn(const Casters& casters, const Points& points) {
+/// Leaves in `rows`, which ask, the pixels that a shadow may fall on.
+/// @return whether there are any
+bool FindShaded(const Casters& casters, const Points& points, std::uint16_t* rows) {
     Seen seen;
-    if (!gather(points, seen)) return false;
-    const VF margin = splat(seen.most_margin);
+    std::uint16_t shaded[kTileSize] = {};
+    bool any = false;
+    const VF margin = gather(points, seen) ? splat(seen.most_margin) : splat(kNothing);
     for (std::size_t c = 0; c < casters.count; c += hn::Lanes(f)) {
         const auto of = [&](int column) HWY_ATTR { return hn::LoadU(f, casters.columns[column] + c); };
         auto hit = hn::Ge(hn::Sub(of(MovingShadows::along), splat(seen.least_along)),
@@ -142,9 +146,13 @@ bool MayFallOn(const Casters& casters, const Points& points) {
                                        hn::Le(hn::Sub(axis, half), splat(seen.high[k]))));
         }
         for (std::uint32_t left = farfield::HWY_NAMESPACE::lane_bits(f, hit); left != 0; left &= left - 1)
-            if (falls_on_one(casters, c + std::size_t(std::countr_zero(left)), seen)) return true;
+            add_shadow(casters, c + std::size_t(std::countr_zero(left)), seen, rows, shaded);
     }
-    return false;
+    for (int j = 0; j < kTileSize; ++j) {
+        rows[j] = shaded[j];
+        any |= shaded[j] != 0;
+    }
+    return any;
 }
 
 }  // namespace HWY_NAMESPACE
@@ -157,7 +165,7 @@ HWY_AFTER_NAMESPACE();
 
 namespace ff::farfield {
 namespace moving {
-HWY_EXPORT(MayFallOn);
+HWY_EXPORT(FindShaded);
 }
 
 namespace {
@@ -201,8 +209,11 @@ void MovingShadows::begin(const PinholeView& view, std::span<const MovingSphere>
     }
 }
 
-bool MovingShadows::may_fall_on(const VisibilityBuffer& visibility, const TileRequest& tile) const {
-    if (is_empty()) return false;
+bool MovingShadows::find(const VisibilityBuffer& visibility, TileRequest& tile) const {
+    if (is_empty()) {
+        std::fill(std::begin(tile.rows), std::end(tile.rows), std::uint16_t(0));
+        return false;
+    }
     const std::size_t at = visibility.index(tile.x, tile.y);
     const DVec3 sun(to_sun_), grow = across(DVec3(1.0), sun);
     const DMat3 to_world(view_.world_from_camera);
@@ -224,7 +235,7 @@ bool MovingShadows::may_fall_on(const VisibilityBuffer& visibility, const TileRe
         places[i][3] = float(glm::dot(rays[i], sun));
     }
     for (int k = 0; k < 3; ++k) casters.grow[k] = float(grow[k]);
-    return HWY_DYNAMIC_DISPATCH(moving::MayFallOn)(casters, points);
+    return HWY_DYNAMIC_DISPATCH(moving::FindShaded)(casters, points, tile.rows);
 }
 
 }  // namespace ff::farfield

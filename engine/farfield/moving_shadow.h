@@ -21,7 +21,7 @@ struct MovingSphere {
 };
 
 /// The shadows of all that moves, made ready to be asked about one tile after the other.
-/// Threads: may_fall_on() may be called by any number at once. Steady calls allocate nothing.
+/// Threads: find() may be called by any number at once. Steady calls allocate nothing.
 class MovingShadows {
   public:
     /// @param view    of the tiles that will be asked about; copied
@@ -30,9 +30,10 @@ class MovingShadows {
 
     [[nodiscard]] bool is_empty() const { return count_ == 0; }
 
-    /// Whether one of them may stand between the sun and what the requested pixels see. Never false where one does;
-    /// pixels without a surface are left out.
-    [[nodiscard]] bool may_fall_on(const VisibilityBuffer& visibility, const TileRequest& tile) const;
+    /// Leaves in a request the pixels that one of them may stand before the sun of: all of those whose surfaces it
+    /// does shade, and some round them.
+    /// @return whether there are any
+    [[nodiscard]] bool find(const VisibilityBuffer& visibility, TileRequest& tile) const;
 
     /// Columns of numbers a caster: its centre's cross product with the sun's direction, which is where its shadow's
     /// axis lies; how far towards the sun it stands; what its box takes up round the axis, and its ball.

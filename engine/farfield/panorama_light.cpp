@@ -97,9 +97,7 @@ std::uint64_t Panorama::known_light(const VisibilityBuffer& visibility, std::uin
         }
         answered.fetch_add(count, std::memory_order_relaxed);
     });
-    std::erase_if(tiles, [](const TileRequest& tile) {
-        return std::all_of(std::begin(tile.rows), std::end(tile.rows), [](std::uint16_t row) { return row == 0; });
-    });
+    std::erase_if(tiles, [](const TileRequest& tile) { return tile.is_empty(); });
     return answered.load(std::memory_order_relaxed);
 }
 

@@ -39,7 +39,6 @@ struct Reprojection {
 /// One tile on its way through the kernel. Pointers are to its first pixel.
 struct Tile {
     int x, y;
-    bool ask;                        ///< whether the last frame may answer
     std::uint32_t static_instances;  ///< those below stand still
     const std::uint32_t* instances;  ///< rows of `stride`
     const float* depths;             ///< rows of `depth_stride`; the pixels round the tile are there, too
@@ -47,6 +46,7 @@ struct Tile {
     std::uint8_t* lit;               ///< out where answered
     std::ptrdiff_t stride, depth_stride;
     std::uint16_t rows[kTileSize];  ///< in: asked for; out: surfaces that are left
+    std::uint16_t anew[kTileSize];  ///< those that the last frame may not answer
     std::uint32_t answered;         ///< out: how many
 };
 
@@ -215,7 +215,7 @@ void reuse_row(const Reprojection& r, Tile& tile, int j) {
         const auto below = [&](std::uint32_t id)
                                HWY_ATTR { return bits_of(hn::RebindMask(f, hn::Lt(instance, hn::Set(ui, id)))); };
         std::uint32_t surfaces = asked & below(kUnresolved);
-        const std::uint32_t wanted = tile.ask ? surfaces & below(tile.static_instances) : 0;
+        const std::uint32_t wanted = surfaces & ~(std::uint32_t(tile.anew[j]) >> i) & below(tile.static_instances);
         if (wanted != 0) {
             const std::uint32_t found = reuse_lanes(r, tile, i, j, wanted);
             tile.answered += std::uint32_t(std::popcount(found));
@@ -379,8 +379,6 @@ std::uint64_t SunHistory::reuse(const SunHistoryInput& input, std::uint8_t* lit,
             if (at_border) load_depths(visibility, request.x, request.y, block);
             tiles[t - begin] = {.x = request.x,
                                 .y = request.y,
-                                .ask = knows && !is_due(request, frame_, input.refresh_frames) &&
-                                       !shadows_.may_fall_on(visibility, request),
                                 .static_instances = input.static_instances,
                                 .instances = visibility.instance.data() + first,
                                 .depths = at_border ? block + sun::kBlockStride + 1 : visibility.depth.data() + first,
@@ -389,6 +387,9 @@ std::uint64_t SunHistory::reuse(const SunHistoryInput& input, std::uint8_t* lit,
                                 .stride = visibility.stride,
                                 .depth_stride = at_border ? sun::kBlockStride : visibility.stride};
             std::copy(std::begin(request.rows), std::end(request.rows), tiles[t - begin].rows);
+            TileRequest anew = request;
+            if (knows && !is_due(request, frame_, input.refresh_frames)) (void)shadows_.find(visibility, anew);
+            std::copy(std::begin(anew.rows), std::end(anew.rows), tiles[t - begin].anew);
         }
         sun::reuse_tiles(reprojection, std::span(tiles, end - begin));
         std::uint64_t count = 0;
@@ -400,8 +401,7 @@ std::uint64_t SunHistory::reuse(const SunHistoryInput& input, std::uint8_t* lit,
     });
     left.clear();
     for (const TileRequest& request : undecided_)
-        if (std::any_of(std::begin(request.rows), std::end(request.rows), [](std::uint16_t row) { return row != 0; }))
-            left.push_back(request);
+        if (!request.is_empty()) left.push_back(request);
     return total;
 }
 

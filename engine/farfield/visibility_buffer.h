@@ -31,6 +31,12 @@ struct VisibilityBuffer {
 struct TileRequest {
     std::uint16_t x = 0, y = 0;       ///< top left pixel, multiples of 16
     std::uint16_t rows[kTileSize]{};  ///< bit i of rows[j]: pixel (x + i, y + j)
+
+    [[nodiscard]] bool is_empty() const {
+        unsigned any = 0;
+        for (const std::uint16_t row : rows) any |= row;
+        return any == 0;
+    }
 };
 
 }  // namespace ff::farfield

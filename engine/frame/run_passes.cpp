@@ -102,16 +102,16 @@ void subtract(std::span<const TileRequest> wanted, std::span<const TileRequest> 
         for (int row = 0; row < kTileSize; ++row) tile_of(mask, request).rows[row] &= std::uint16_t(~request.rows[row]);
 }
 
-/// Takes tiles on which the shadow of something that moves may fall out of a mask of finished colours.
+/// Takes pixels on which the shadow of something that moves may fall out of a mask of finished colours.
 void take_out_shaded(const farfield::MovingShadows& shadows, std::span<const TileRequest> tiles,
                      const farfield::VisibilityBuffer& visibility, PixelMask& coloured) {
     constexpr std::size_t kTilesPerTask = 64;
     parallel_ranges(tiles.size(), kTilesPerTask, [&](std::size_t begin, std::size_t end) {
-        for (const TileRequest& tile : tiles.subspan(begin, end - begin)) {
+        for (TileRequest tile : tiles.subspan(begin, end - begin)) {
             farfield::TileMask& mask = tile_of(coloured, tile);
-            if (std::any_of(std::begin(mask.rows), std::end(mask.rows), [](std::uint16_t row) { return row != 0; }) &&
-                shadows.may_fall_on(visibility, tile))
-                mask = {};
+            for (int row = 0; row < kTileSize; ++row) tile.rows[row] &= mask.rows[row];
+            if (tile.is_empty() || !shadows.find(visibility, tile)) continue;
+            for (int row = 0; row < kTileSize; ++row) mask.rows[row] &= std::uint16_t(~tile.rows[row]);
         }
     });
 }

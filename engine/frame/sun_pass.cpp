@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <glm/geometric.hpp>
+#include <iterator>
 
 #include "engine/core/jobs.h"
 #include "engine/frame/timed_pass.h"
@@ -40,20 +41,19 @@ std::uint8_t* fit(const farfield::VisibilityBuffer& visibility, ZeroPageVector<s
 std::uint64_t ask_panorama(const farfield::SunHistoryInput& input, farfield::Panorama& panorama, SunLight& light,
                            std::uint8_t* seen) {
     light.shadows.begin(input.view, input.moving, input.to_sun);
-    light.is_shaded.assign(input.tiles.size(), 0);
-    if (!light.shadows.is_empty()) {
-        constexpr std::size_t kTilesPerTask = 64;
-        parallel_ranges(input.tiles.size(), kTilesPerTask, [&](std::size_t begin, std::size_t end) {
-            for (std::size_t t = begin; t < end; ++t)
-                light.is_shaded[t] = std::uint8_t(light.shadows.may_fall_on(input.visibility, input.tiles[t]));
-        });
-    }
-    light.cast.clear();
-    light.shaded.clear();
-    for (std::size_t t = 0; t < input.tiles.size(); ++t)
-        (light.is_shaded[t] != 0 ? light.shaded : light.cast).push_back(input.tiles[t]);
+    light.cast.assign(input.tiles.begin(), input.tiles.end());
+    light.shaded.assign(input.tiles.begin(), input.tiles.end());
+    constexpr std::size_t kTilesPerTask = 64;
+    parallel_ranges(input.tiles.size(), kTilesPerTask, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t t = begin; t < end; ++t) {
+            if (!light.shadows.find(input.visibility, light.shaded[t])) continue;
+            for (int row = 0; row < farfield::kTileSize; ++row)
+                light.cast[t].rows[row] &= std::uint16_t(~light.shaded[t].rows[row]);
+        }
+    });
     const std::uint64_t answered = panorama.known_light(input.visibility, seen, light.cast);
-    light.cast.insert(light.cast.end(), light.shaded.begin(), light.shaded.end());
+    std::copy_if(light.shaded.begin(), light.shaded.end(), std::back_inserter(light.cast),
+                 [](const farfield::TileRequest& tile) { return !tile.is_empty(); });
     return answered;
 }
 

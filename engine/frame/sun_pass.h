@@ -26,7 +26,6 @@ struct SunLight {
     std::vector<farfield::TileRequest> shaded;   ///< scratch: where shadows of what moves may fall
     std::vector<farfield::MovingSphere> moving;  ///< scratch: what moves, this frame
     farfield::MovingShadows shadows;             ///< scratch: of that
-    std::vector<std::uint8_t> is_shaded;         ///< scratch: tiles that they may fall on
 };
 
 /// Balls round instances that move.
