@@ -12,6 +12,8 @@ using farfield::MovingSphere;
 
 /// Reflections have at most a ray a pixel, and filter over a few of them: 8 x 8, and as many round them.
 constexpr double kBlurPx = 20.0;
+/// Of cosines.
+constexpr double kRounding = 1e-12;
 
 }  // namespace
 
@@ -36,7 +38,8 @@ void MirroredMotion::begin_tile(int x, int y) {
     double least = 1.0;
     for (const double i : {-kBlurPx, last + kBlurPx})
         for (const double j : {-kBlurPx, last + kBlurPx}) least = std::min(least, glm::dot(middle_, ray(x + i, y + j)));
-    half_angle_ = std::acos(std::clamp(least, -1.0, 1.0));
+    cosine_ = std::clamp(least, -1.0, 1.0);
+    sine_ = std::sqrt(1.0 - cosine_ * cosine_);
 }
 
 bool MirroredMotion::shows(std::uint32_t instance, std::uint32_t triangle) const {
@@ -51,8 +54,10 @@ bool MirroredMotion::shows(std::uint32_t instance, std::uint32_t triangle) const
         const DVec3 image = from_eye - 2.0 * above * normal;
         const double distance = glm::length(image);
         if (distance <= sphere.radius) return true;
-        const double angle = std::acos(std::clamp(glm::dot(image, middle_) / distance, -1.0, 1.0));
-        return angle <= half_angle_ + std::asin(sphere.radius / distance);
+        // The cone's half angle and the ball's together, by their cosine; from half a turn on they take in everything.
+        const double sine = sphere.radius / distance, cosine = std::sqrt(1.0 - sine * sine);
+        if (cosine_ <= -cosine) return true;
+        return glm::dot(image, middle_) >= distance * (cosine_ * cosine - sine_ * sine - kRounding);
     });
 }
 

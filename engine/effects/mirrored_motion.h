@@ -36,8 +36,8 @@ class MirroredMotion {
     const scene::StaticScene& scene_;
     const PinholeView& view_;
     std::span<const farfield::MovingSphere> moving_;
-    DVec3 middle_{0.0};      ///< unit: of the cone round the tile's rays
-    double half_angle_ = 0;  ///< likewise, radians
+    DVec3 middle_{0.0};                 ///< unit: of the cone round the tile's rays
+    double cosine_ = 1.0, sine_ = 0.0;  ///< of half of its angle
 };
 
 }  // namespace ff::effects

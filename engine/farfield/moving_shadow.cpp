@@ -35,6 +35,14 @@ struct Points {
     float margin;  ///< metres round a point that count as it, at depth 1
 };
 
+/// What the rays of a tile look like along the sun: a wedge in the plane across it.
+struct Wedge {
+    float middle_s, middle_t;        ///< unit
+    float sine, cosine;              ///< of half of its angle; cosine > 0
+    float along_per_least_distance;  ///< of the rays: the least way along the sun for a metre across it, ...
+    float along_per_most_distance;   ///< ... for shadows that are met as near, or as far away, as may be
+};
+
 }  // namespace ff::farfield::moving
 #endif
 
@@ -128,6 +136,25 @@ void add_shadow(const Casters& casters, std::size_t caster, const Seen& seen, co
 
 }  // namespace
 
+/// Whether one of the shadows passes through a wedge before the eye.
+bool MeetsWedge(const Casters& casters, const Wedge& wedge) {
+    const VF zero = hn::Zero(f);
+    for (std::size_t c = 0; c < casters.count; c += hn::Lanes(f)) {
+        const auto of = [&](int column) HWY_ATTR { return hn::LoadU(f, casters.columns[column] + c); };
+        const VF beside = hn::MulAdd(of(MovingShadows::to_axis_s), splat(wedge.middle_s),
+                                     hn::Mul(of(MovingShadows::to_axis_t), splat(wedge.middle_t)));
+        const VF outermost = hn::NegMulAdd(of(MovingShadows::ball_sine), splat(wedge.sine),
+                                           hn::Mul(of(MovingShadows::ball_cosine), splat(wedge.cosine)));
+        const VF along =
+            hn::Add(hn::Mul(hn::Max(of(MovingShadows::least_distance), zero), splat(wedge.along_per_least_distance)),
+                    hn::Mul(of(MovingShadows::most_distance), splat(wedge.along_per_most_distance)));
+        const auto hit =
+            hn::And(hn::Ge(beside, hn::Sub(outermost, splat(1e-5f))), hn::Ge(of(MovingShadows::reach), along));
+        if (!hn::AllFalse(f, hit)) return true;
+    }
+    return false;
+}
+
 /// Leaves in `rows`, which ask, the pixels that a shadow may fall on.
 /// @return whether there are any
 bool FindShaded(const Casters& casters, const Points& points, std::uint16_t* rows) {
@@ -161,12 +188,14 @@ HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
 #include <algorithm>
+#include <cmath>
 #include <glm/geometric.hpp>
 
 namespace ff::farfield {
 namespace moving {
 HWY_EXPORT(FindShaded);
-}
+HWY_EXPORT(MeetsWedge);
+}  // namespace moving
 
 namespace {
 
@@ -181,6 +210,14 @@ DVec3 across(const DVec3& half, const DVec3& axis) {
     return {half.y * a.z + half.z * a.y, half.z * a.x + half.x * a.z, half.x * a.y + half.y * a.x};
 }
 
+/// The casters' columns, as kernels want them.
+moving::Casters casters_of(std::span<const std::vector<float>> columns) {
+    moving::Casters casters{};
+    for (std::size_t k = 0; k < columns.size(); ++k) casters.columns[k] = columns[k].data();
+    casters.count = columns[0].size();
+    return casters;
+}
+
 }  // namespace
 
 void MovingShadows::begin(const PinholeView& view, std::span<const MovingSphere> moving, const Vec3& to_sun) {
@@ -189,8 +226,11 @@ void MovingShadows::begin(const PinholeView& view, std::span<const MovingSphere>
     count_ = moving.size();
     const std::size_t padded = (count_ + kTileSize - 1) / kTileSize * kTileSize;
     // A radius of kNothing touches nothing.
-    for (std::size_t k = 0; k < data_.size(); ++k) data_[k].assign(padded, k == radius ? moving::kNothing : 0.0f);
+    for (std::size_t k = 0; k < data_.size(); ++k)
+        data_[k].assign(padded, k == radius || k == reach ? moving::kNothing : 0.0f);
     const DVec3 sun(to_sun);
+    across_[0] = glm::normalize(glm::cross(std::abs(sun.y) < 0.9 ? DVec3(0, 1, 0) : DVec3(1, 0, 0), sun));
+    across_[1] = glm::cross(sun, across_[0]);
     for (std::size_t i = 0; i < count_; ++i) {
         const MovingSphere& ball = moving[i];
         const DVec3 center = ball.center - view.position;
@@ -206,11 +246,65 @@ void MovingShadows::begin(const PinholeView& view, std::span<const MovingSphere>
         }
         data_[along][i] = float(glm::dot(center, sun));
         data_[radius][i] = float(ball.radius + slack);
+
+        const double s = glm::dot(center, across_[0]), t = glm::dot(center, across_[1]);
+        const double distance = std::sqrt(s * s + t * t), reached = ball.radius + slack;
+        const bool is_within = distance <= reached;  // of its shadow the eye is: every wedge meets it
+        data_[to_axis_s][i] = is_within ? 0.0f : float(s / distance);
+        data_[to_axis_t][i] = is_within ? 0.0f : float(t / distance);
+        data_[ball_sine][i] = is_within ? 0.0f : float(reached / distance);
+        data_[ball_cosine][i] = is_within ? -1.0f : float(std::sqrt(1.0 - reached * reached / (distance * distance)));
+        data_[least_distance][i] = float(distance - reached);
+        data_[most_distance][i] = float(distance + reached);
+        data_[reach][i] = float(glm::dot(center, sun) + reached);
     }
 }
 
+bool MovingShadows::may_fall_into(const TileRequest& tile) const {
+    if (is_empty()) return false;
+    // A little beyond the tile, as the pixels' points count for what is near them.
+    constexpr double kLow = -0.5 - kMarginPx, kHigh = kTileSize - 0.5 + kMarginPx;
+    const DMat3 to_world(view_.world_from_camera);
+    double s[4], t[4], least = std::numeric_limits<double>::infinity(), most = 0.0, along_sun = least;
+    double middle_s = 0.0, middle_t = 0.0;
+    for (int k = 0; k < 4; ++k) {
+        const DVec3 ray =
+            to_world *
+            DVec3((double(tile.x) + 0.5 + ((k & 1) != 0 ? kHigh : kLow)) * double(view_.u_step) + double(view_.u_first),
+                  (double(tile.y) + 0.5 + ((k & 2) != 0 ? kHigh : kLow)) * double(view_.v_step) + double(view_.v_first),
+                  -1.0);
+        s[k] = glm::dot(ray, across_[0]);
+        t[k] = glm::dot(ray, across_[1]);
+        const double length = std::sqrt(s[k] * s[k] + t[k] * t[k]);
+        if (!(length > 1e-6)) return true;
+        least = std::min(least, length);
+        most = std::max(most, length);
+        along_sun = std::min(along_sun, glm::dot(ray, DVec3(to_sun_)));
+        middle_s += s[k] / length;
+        middle_t += t[k] / length;
+    }
+    // Towards the sun, or away from it, a tile looks every way across it.
+    constexpr double kLeastCosine = 0.1;
+    const double length = std::sqrt(middle_s * middle_s + middle_t * middle_t);
+    if (!(length > kLeastCosine)) return true;
+    middle_s /= length;
+    middle_t /= length;
+    double cosine = 1.0;
+    for (int k = 0; k < 4; ++k)
+        cosine = std::min(cosine, (s[k] * middle_s + t[k] * middle_t) / std::sqrt(s[k] * s[k] + t[k] * t[k]));
+    if (cosine < kLeastCosine) return true;
+    least *= cosine;  // of a chord between two of the corners
+    const moving::Wedge wedge{.middle_s = float(middle_s),
+                              .middle_t = float(middle_t),
+                              .sine = float(std::sqrt(std::max(0.0, 1.0 - cosine * cosine))),
+                              .cosine = float(cosine),
+                              .along_per_least_distance = along_sun > 0.0 ? float(along_sun / most) : 0.0f,
+                              .along_per_most_distance = along_sun > 0.0 ? 0.0f : float(along_sun / least)};
+    return HWY_DYNAMIC_DISPATCH(moving::MeetsWedge)(casters_of(data_), wedge);
+}
+
 bool MovingShadows::find(const VisibilityBuffer& visibility, TileRequest& tile) const {
-    if (is_empty()) {
+    if (!may_fall_into(tile)) {
         std::fill(std::begin(tile.rows), std::end(tile.rows), std::uint16_t(0));
         return false;
     }
@@ -220,9 +314,7 @@ bool MovingShadows::find(const VisibilityBuffer& visibility, TileRequest& tile) 
     const DVec3 first = to_world * DVec3((double(tile.x) + 0.5) * double(view_.u_step) + double(view_.u_first),
                                          (double(tile.y) + 0.5) * double(view_.v_step) + double(view_.v_first), -1.0);
     const DVec3 rays[3] = {first, to_world[0] * double(view_.u_step), to_world[1] * double(view_.v_step)};
-    moving::Casters casters{};
-    for (std::size_t k = 0; k < data_.size(); ++k) casters.columns[k] = data_[k].data();
-    casters.count = data_[0].size();
+    moving::Casters casters = casters_of(data_);
     moving::Points points{.instances = visibility.instance.data() + at,
                           .depths = visibility.depth.data() + at,
                           .stride = visibility.stride,

@@ -30,18 +30,42 @@ class MovingShadows {
 
     [[nodiscard]] bool is_empty() const { return count_ == 0; }
 
+    /// Whether a shadow may fall on anything that a tile's pixels may see, at whatever depth that lies. Never false
+    /// where one does.
+    [[nodiscard]] bool may_fall_into(const TileRequest& tile) const;
+
     /// Leaves in a request the pixels that one of them may stand before the sun of: all of those whose surfaces it
     /// does shade, and some round them.
     /// @return whether there are any
     [[nodiscard]] bool find(const VisibilityBuffer& visibility, TileRequest& tile) const;
 
     /// Columns of numbers a caster: its centre's cross product with the sun's direction, which is where its shadow's
-    /// axis lies; how far towards the sun it stands; what its box takes up round the axis, and its ball.
-    enum Column { axis_x, axis_y, axis_z, along, half_x, half_y, half_z, radius, column_count };
+    /// axis lies; how far towards the sun it stands; what its box takes up round the axis, and its ball. Then, in the
+    /// plane across the sun, where the direction (unit) of that axis lies as seen by the eye, the sine and cosine of
+    /// the angle that the ball takes up there, its least and greatest distance, and how far towards the sun it reaches.
+    enum Column {
+        axis_x,
+        axis_y,
+        axis_z,
+        along,
+        half_x,
+        half_y,
+        half_z,
+        radius,
+        to_axis_s,
+        to_axis_t,
+        ball_sine,
+        ball_cosine,
+        least_distance,
+        most_distance,
+        reach,
+        column_count
+    };
 
   private:
     PinholeView view_;
     Vec3 to_sun_{0.0f};
+    DVec3 across_[2]{};                                  // axes of the plane across the sun
     std::size_t count_ = 0;                              // of casters; columns are padded to whole vectors
     std::array<std::vector<float>, column_count> data_;  // metres, relative to the eye
 };

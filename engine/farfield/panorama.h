@@ -84,7 +84,8 @@ struct PanoramaStats {
 /// Whose instance and triangle a lookup writes.
 enum class PanoramaNames {
     all,
-    marked,  ///< in tiles that look at marked texels, with their depths; all others see kSkyInstance
+    marked,  ///< in tiles that look at marked texels or are asked for by PanoramaTarget::named, with their depths; all
+             ///< others see kSkyInstance
     none,    ///< as they were
 };
 
@@ -95,6 +96,8 @@ struct PanoramaTarget {
     int color_stride = 0;                    ///< pixels a row, whole tiles
     bool depths = true;                      ///< of all reused pixels
     PanoramaNames names = PanoramaNames::all;
+    /// Optional, by tile of the view, row by row: not 0 where names and depths are wanted, marked or not.
+    std::span<const std::uint8_t> named;
 };
 
 class Panorama {

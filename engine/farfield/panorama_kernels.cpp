@@ -33,8 +33,12 @@ struct Wanted {
     bool blanks;  ///< kSkyInstance instead of names
 };
 
-inline Wanted wanted_of(const PanoramaTarget& target, bool is_marked) {
+inline Wanted wanted_of(const PanoramaTarget& target, const TileRequest& tile, bool is_marked) {
     if (target.visibility == nullptr) return {};
+    if (!target.named.empty()) {
+        const auto columns = std::size_t(target.visibility->stride / kTileSize);
+        is_marked |= target.named[std::size_t(tile.y / kTileSize) * columns + std::size_t(tile.x / kTileSize)] != 0;
+    }
     const bool by_mark = target.names == PanoramaNames::marked;
     const bool names = target.names == PanoramaNames::all || (by_mark && is_marked);
     return {.depths = target.depths || (by_mark && is_marked), .names = names, .blanks = by_mark && !is_marked};
@@ -329,7 +333,7 @@ void LookupTile(const LookupJob& job, const TileRequest& tile, const TileFootpri
     TileSamples samples;
     out.tile_parallax = 0;
     if (footprint.face < 0) {
-        const Wanted wanted = wanted_of(job.target, true);
+        const Wanted wanted = wanted_of(job.target, tile, true);
         project<false>(job, tile, 0, samples);
         fetch(job, tile, wanted, true, samples);
         resolve<true>(job, tile, wanted, kNeverTraced, samples, out);
@@ -346,7 +350,7 @@ void LookupTile(const LookupJob& job, const TileRequest& tile, const TileFootpri
             texels.nearest_m = std::min(texels.nearest_m, other.nearest_m);
             texels.is_marked |= other.is_marked;
         }
-    const Wanted wanted = wanted_of(job.target, texels.is_marked);
+    const Wanted wanted = wanted_of(job.target, tile, texels.is_marked);
     const bool good = is_tile_good(job, texels);
     project<true>(job, tile, footprint.face, samples);
     fetch(job, tile, wanted, !good, samples);

@@ -357,6 +357,23 @@ void find_swaying(const FramePlan& plan, const Tools& tools, FrameHistory& histo
     });
 }
 
+/// Tiles in which something that moves may show, or cast its shadow on what is seen.
+void find_tiles_of_moving(const FramePlan& plan, FrameHistory& history) {
+    history.named_tiles.clear();
+    if (plan.dynamic.empty()) return;
+    history.named_tiles.resize(history.all_tiles.size());
+    history.moving_tiles.begin(plan.view);
+    for (const scene::Instance& instance : plan.dynamic) history.moving_tiles.add(instance.bounds);
+    constexpr std::size_t kTilesPerTask = 128;
+    parallel_ranges(history.all_tiles.size(), kTilesPerTask, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t t = begin; t < end; ++t) {
+            const TileRequest& tile = history.all_tiles[t];
+            history.named_tiles[t] = std::uint8_t(history.moving_tiles.has(tile) ||
+                                                  (plan.sun_shadows && history.moving_shadows.may_fall_into(tile)));
+        }
+    });
+}
+
 /// Answers from the map what it can; the rest is left in history.requests.
 void look_up_panorama(const FramePlan& plan, const Tools& tools, const farfield::PanoramaLimits& limits,
                       FrameHistory& history, shading::Image& image, FrameStats& stats) {
@@ -365,18 +382,19 @@ void look_up_panorama(const FramePlan& plan, const Tools& tools, const farfield:
     // Depths are fetched only where something may stand before the texels, names where its shadow may fall on them, and
     // both where they mirror.
     using farfield::PanoramaNames;
-    const bool wants_all = plan.keep_ids || (plan.sun_shadows && !plan.dynamic.empty());
-    const bool wants_depths =
-        wants_all || !plan.dynamic.empty() || falls(plan) || plan.effects.is_active(effects::EffectId::transparency);
-    const PanoramaNames names = wants_all                             ? PanoramaNames::all
-                                : has_restless_mirrors(plan, history) ? PanoramaNames::marked
-                                                                      : PanoramaNames::none;
+    const bool wants_depths = plan.keep_ids || falls(plan) || plan.effects.is_active(effects::EffectId::transparency);
+    const bool wants_marked = !plan.dynamic.empty() || has_restless_mirrors(plan, history);
+    const PanoramaNames names = plan.keep_ids  ? PanoramaNames::all
+                                : wants_marked ? PanoramaNames::marked
+                                               : PanoramaNames::none;
     const bool wants_visibility = wants_depths || names != PanoramaNames::none;
+    find_tiles_of_moving(plan, history);
     const farfield::PanoramaTarget target{.visibility = wants_visibility ? &history.visibility : nullptr,
                                           .colors = image.pixels.data(),
                                           .color_stride = image.stride,
                                           .depths = wants_depths,
-                                          .names = names};
+                                          .names = names,
+                                          .named = history.named_tiles};
     const farfield::PanoramaStats found = panorama.lookup(plan.view, history.wanted, limits, target, history.requests);
     stats.pixels.panorama = found.reused + found.stale + found.unanswered;
     stats.pixels.stale = found.stale + found.unanswered;
@@ -415,6 +433,7 @@ void draw_surfaces(const FramePlan& plan, const Tools& tools, FrameHistory& hist
     SourceMasks& sources = history.sources;
 
     bound_moving(plan.dynamic, history.moving);
+    history.moving_shadows.begin(plan.view, history.moving, tools.scene.environment.to_sun);
     find_mirrored(plan, history);
 
     // Near field: what is close enough that triangles are cheaper than pixels.
@@ -498,10 +517,8 @@ void draw_surfaces(const FramePlan& plan, const Tools& tools, FrameHistory& hist
         remove(sources.verified, coloured);
         if (plan.look_up_panorama && plan.effects.is_active(effects::EffectId::reflections))
             show_resting_mirrors(plan, tools.scene, history, image);
-        if (plan.sun_shadows && !plan.dynamic.empty()) {
-            history.moving_shadows.begin(plan.view, history.moving, tools.scene.environment.to_sun);
+        if (plan.sun_shadows && !plan.dynamic.empty())
             take_out_shaded(history.moving_shadows, history.all_tiles, visibility, coloured);
-        }
         if (has_restless_mirrors(plan, history)) take_out_restless_mirrors(plan, tools.scene, history, coloured);
         const PixelMask* const done[] = {&coloured};
         collect_requests(history.all_tiles, done, history.to_shade);

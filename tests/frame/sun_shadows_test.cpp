@@ -63,10 +63,10 @@ TEST_P(SunShadowsTest, reused_light_is_that_of_a_ray_each) {
         EXPECT_GT(reused, rays) << "most is reused";
         EXPECT_LT(rays, all_rays / 2);
     } else {
-        // So much changes between leaves that it pays only to try from time to time.
+        // Between leaves much changes.
         EXPECT_GT(reused, 0u);
         EXPECT_LT(rays, all_rays);
-        EXPECT_GT(rays, all_rays / 2);
+        EXPECT_GT(rays, all_rays / 4);
     }
 }
 
