@@ -32,6 +32,11 @@ void mark_sky(const PixelMask& sky, farfield::VisibilityBuffer& visibility) {
         for (int row = 0; row < kTileSize; ++row) {
             if (mask.rows[row] == 0) continue;
             const std::size_t first = visibility.index(x0, y0 + row);
+            if (mask.rows[row] == 0xFFFFu) {
+                std::fill_n(&visibility.instance[first], kTileSize, farfield::kSkyInstance);
+                std::fill_n(&visibility.depth[first], kTileSize, std::numeric_limits<float>::infinity());
+                continue;
+            }
             for (unsigned i = 0; i < kTileSize; ++i) {
                 if (((mask.rows[row] >> i) & 1u) == 0) continue;
                 visibility.instance[first + i] = farfield::kSkyInstance;
@@ -61,14 +66,11 @@ void collect_requests(std::span<const TileRequest> all, std::span<const PixelMas
     requests.clear();
     for (std::size_t t = 0; t < all.size(); ++t) {
         TileRequest request = all[t];
-        unsigned any = 0;
-        for (int row = 0; row < kTileSize; ++row) {
-            unsigned bits = request.rows[row];
-            for (const PixelMask* mask : answered) bits &= ~unsigned(mask->tiles[t].rows[row]);
-            request.rows[row] = std::uint16_t(bits);
-            any |= bits;
+        for (const PixelMask* mask : answered) {
+            const farfield::TileMask& tile = mask->tiles[t];
+            for (int row = 0; row < kTileSize; ++row) request.rows[row] &= std::uint16_t(~tile.rows[row]);
         }
-        if (any != 0) requests.push_back(request);
+        if (!request.is_empty()) requests.push_back(request);
     }
 }
 
@@ -91,15 +93,19 @@ farfield::TileMask& tile_of(PixelMask& mask, const TileRequest& request) {
 }
 
 void mark(std::span<const TileRequest> requests, PixelMask& mask) {
-    for (const TileRequest& request : requests)
-        for (int row = 0; row < kTileSize; ++row) tile_of(mask, request).rows[row] |= request.rows[row];
+    for (const TileRequest& request : requests) {
+        farfield::TileMask& tile = tile_of(mask, request);
+        for (int row = 0; row < kTileSize; ++row) tile.rows[row] |= request.rows[row];
+    }
 }
 
 /// Marks the pixels of `wanted` that are not in `left`, tile lists in any order.
 void subtract(std::span<const TileRequest> wanted, std::span<const TileRequest> left, PixelMask& mask) {
     mark(wanted, mask);
-    for (const TileRequest& request : left)
-        for (int row = 0; row < kTileSize; ++row) tile_of(mask, request).rows[row] &= std::uint16_t(~request.rows[row]);
+    for (const TileRequest& request : left) {
+        farfield::TileMask& tile = tile_of(mask, request);
+        for (int row = 0; row < kTileSize; ++row) tile.rows[row] &= std::uint16_t(~request.rows[row]);
+    }
 }
 
 /// Takes pixels on which the shadow of something that moves may fall out of a mask of finished colours.
@@ -258,6 +264,11 @@ void begin_panorama(const FramePlan& plan, FrameHistory& history) {
 void mark_mirrors(const FramePlan& plan, const scene::StaticScene& scene, const farfield::VisibilityBuffer& map,
                   std::span<const TileRequest> tiles, std::vector<std::uint8_t>& marks) {
     marks.resize(tiles.size());
+    const auto is_off = [&](effects::EffectId id) { return plan.effects[id].state == effects::State::off; };
+    if (is_off(effects::EffectId::reflections) && is_off(effects::EffectId::water)) {
+        std::fill(marks.begin(), marks.end(), std::uint8_t(0));
+        return;
+    }
     parallel_ranges(tiles.size(), 32, [&](std::size_t begin, std::size_t end) {
         effects::MirrorTest kind_of(scene, plan.dynamic);
         for (std::size_t t = begin; t < end; ++t) {
