@@ -16,6 +16,7 @@ namespace {
 using farfield::kTileSize;
 using farfield::TileRequest;
 
+constexpr std::size_t kMostLamps = 4096;  ///< near a mirror that memory is taken for beforehand
 constexpr int kCoarsest = 8;  ///< pixels along a side that share a ray at most
 /// What a mirror's own surface may stand out of its plane; surfaces within it are not mirrored.
 constexpr double kLiftM = 0.03;
@@ -176,6 +177,7 @@ ReflectionWork::ReflectionWork(const scene::StaticScene& scene, int width, int h
     moving.reserve(most_x, most_y);
     requests.reserve(effects::Mirrors::kMost);
     looks.resize(effects::Mirrors::kMost);
+    for (Look& look : looks) look.lights.lamps.reserve(std::min(scene.lamps.size(), kMostLamps));
     caster.reserve(effects::Mirrors::kMost, most_x, most_y);
     sun_seen = ZeroPageVector<std::uint8_t>(visibility.depth.size());
 }
