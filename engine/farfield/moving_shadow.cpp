@@ -195,6 +195,12 @@ namespace ff::farfield {
 namespace moving {
 HWY_EXPORT(FindShaded);
 HWY_EXPORT(MeetsWedge);
+bool find_shaded(const Casters& casters, const Points& points, std::uint16_t* rows) {
+    return HWY_DYNAMIC_DISPATCH(FindShaded)(casters, points, rows);
+}
+bool meets_wedge(const Casters& casters, const Wedge& wedge) {
+    return HWY_DYNAMIC_DISPATCH(MeetsWedge)(casters, wedge);
+}
 }  // namespace moving
 
 namespace {
@@ -256,7 +262,7 @@ void MovingShadows::begin(const PinholeView& view, std::span<const MovingSphere>
         data_[ball_cosine][i] = is_within ? -1.0f : float(std::sqrt(1.0 - reached * reached / (distance * distance)));
         data_[least_distance][i] = float(distance - reached);
         data_[most_distance][i] = float(distance + reached);
-        data_[reach][i] = float(glm::dot(center, sun) + reached);
+        data_[reach][i] = float(glm::dot(center, sun) + reached + 4.0 * slack);  // compared with a product
     }
 }
 
@@ -300,7 +306,7 @@ bool MovingShadows::may_fall_into(const TileRequest& tile) const {
                               .cosine = float(cosine),
                               .along_per_least_distance = along_sun > 0.0 ? float(along_sun / most) : 0.0f,
                               .along_per_most_distance = along_sun > 0.0 ? 0.0f : float(along_sun / least)};
-    return HWY_DYNAMIC_DISPATCH(moving::MeetsWedge)(casters_of(data_), wedge);
+    return moving::meets_wedge(casters_of(data_), wedge);
 }
 
 bool MovingShadows::find(const VisibilityBuffer& visibility, TileRequest& tile) const {
@@ -327,7 +333,7 @@ bool MovingShadows::find(const VisibilityBuffer& visibility, TileRequest& tile) 
         places[i][3] = float(glm::dot(rays[i], sun));
     }
     for (int k = 0; k < 3; ++k) casters.grow[k] = float(grow[k]);
-    return HWY_DYNAMIC_DISPATCH(moving::FindShaded)(casters, points, tile.rows);
+    return moving::find_shaded(casters, points, tile.rows);
 }
 
 }  // namespace ff::farfield

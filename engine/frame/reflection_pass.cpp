@@ -17,7 +17,7 @@ using farfield::kTileSize;
 using farfield::TileRequest;
 
 constexpr std::size_t kMostLamps = 4096;  ///< near a mirror that memory is taken for beforehand
-constexpr int kCoarsest = 8;  ///< pixels along a side that share a ray at most
+constexpr int kCoarsest = 8;              ///< pixels along a side that share a ray at most
 /// What a mirror's own surface may stand out of its plane; surfaces within it are not mirrored.
 constexpr double kLiftM = 0.03;
 /// A finer step is taken once its rays fill no more than this share of the budget: no flicker between two.
