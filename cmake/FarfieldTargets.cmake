@@ -40,7 +40,7 @@ set(FF_WARNINGS -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-convers
                 -Woverloaded-virtual -Wno-missing-field-initializers -Werror)
 
 # Half of what the compiler does for a file is to read headers of the standard library and of others': those that are
-# used everywhere are read once. What a file needs it includes nevertheless; presets dev and fuzz, which build without, see to that.
+# used everywhere are read once. What a file needs it includes nevertheless; preset dev, which builds without, sees to that.
 set(FF_COMMON_HEADERS <algorithm> <array> <cmath> <cstdint> <filesystem> <functional> <limits> <memory> <optional>
                       <random> <span> <string> <string_view> <vector> <fmt/format.h> <glm/glm.hpp>)
 

@@ -138,8 +138,8 @@ HWY_NOINLINE void sway(const AlphaRays& rays, const AlphaSurface& surface, VF x,
 
 // Switches off the lanes of `win` whose point is see-through: is_opaque_at() of alpha_test.h, operation by operation,
 // for a register of pixels. x_at, y_at: the pixels; e: their edge functions.
-HWY_NOINLINE MF opaque_lanes(MF win, AlphaDraw& draw, const LeafScratch& s, int i, VF x_at, VF y_at, const VF (&e)[3],
-                             VF inverse_depth) {
+[[maybe_unused]] HWY_NOINLINE MF opaque_lanes(MF win, AlphaDraw& draw, const LeafScratch& s, int i, VF x_at, VF y_at,
+                                              const VF (&e)[3], VF inverse_depth) {
     if (!draw.surface.is_known) {
         const scene::Instance& instance = draw.scene.instances[draw.instance];
         Vec3 corners[3];

@@ -24,7 +24,7 @@ TileRequest Collect(const PinholeView& view, const TileRequest& tile, const Visi
     using U = hn::CappedTag<std::uint32_t, 16>;
     constexpr U ui;
     constexpr int kLanes = int(hn::MaxLanes(ui));
-    const auto bits_of = [](hn::Mask<U> mask) { return farfield::HWY_NAMESPACE::lane_bits(ui, mask); };
+    const auto bits_of = [](hn::Mask<U> mask) { return farfield::HWY_NAMESPACE::lane_bits(U(), mask); };
     TileRequest hits{tile.x, tile.y, {}};
     std::uint32_t above = 0;
     for (int j = 0; j < kTileSize; ++j) {

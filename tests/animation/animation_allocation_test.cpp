@@ -7,6 +7,7 @@
 #include <new>
 
 #include "engine/animation/dynamic_models.h"
+#include "engine/core/sanitizers.h"
 #include "engine/frame/dynamic_overlay.h"
 #include "engine/frame/renderer.h"
 #include "tests/support/animated_worlds.h"
@@ -16,7 +17,7 @@ std::atomic<std::uint64_t> g_allocations{0};
 }
 
 // Sanitizers have an allocator of their own.
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+#if !defined(FF_SANITIZES_MEMORY)
 constexpr bool kCounts = true;
 void* operator new(std::size_t size) {
     g_allocations.fetch_add(1, std::memory_order_relaxed);

@@ -57,6 +57,20 @@ std::vector<OracleTriangle> oracle_triangles(const StaticScene& scene, const Wor
     return out;
 }
 
+// The least angle between a ray and the planes through the eye and an edge, radians. What barycentrics do not tell of a
+// triangle that is seen nearly edge-on: there a rounding is a good part of its height in the image.
+double edge_angle(const OracleTriangle& t, const DVec3& direction) {
+    const DVec3 corners[3] = {t.a, t.a + t.ab, t.a + t.ac};
+    double least = 1.0;
+    for (std::size_t k = 0; k < 3; ++k) {
+        const DVec3 across = glm::cross(corners[k], corners[(k + 1) % 3]);
+        const double length = glm::length(across) * glm::length(direction);
+        if (length > 0.0) least = std::min(least, std::abs(glm::dot(across, direction)) / length);
+    }
+    return least;
+}
+constexpr double kEdgeAngle = 1e-6;  // some roundings of a float
+
 OracleHit oracle_hit(const std::vector<OracleTriangle>& triangles, const DVec3& direction, double pixel_angle,
                      const LeafSway& sway) {
     OracleHit hit;
@@ -85,6 +99,7 @@ OracleHit oracle_hit(const std::vector<OracleTriangle>& triangles, const DVec3& 
         }
         if (depth < -1e-3 * reach) continue;
         if (std::abs(least) < tolerance) hit.near_edge = true;
+        if (std::abs(least) < 1e-3 && edge_angle(t, direction) < kEdgeAngle) hit.near_edge = true;
         if (least < 0.0 || depth <= 0.0) continue;
         if (depth < 1e-3) hit.near_edge = true;
         if (t.see_through) {

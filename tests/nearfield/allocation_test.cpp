@@ -8,17 +8,18 @@
 #include <cstdlib>
 #include <new>
 
+#include "engine/core/sanitizers.h"
 #include "engine/nearfield/near_renderer.h"
 #include "engine/visibility/culler.h"
 #include "tests/gl/gl_fixture.h"
 #include "tests/support/town.h"
 
-#if defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+#if defined(__GLIBC__) && !defined(FF_SANITIZES_MEMORY)
 #define FF_COUNTS_ALLOCATIONS 1
 #endif
 
 namespace {
-std::atomic<std::uint64_t> g_ours{0}, g_others{0};
+[[maybe_unused]] std::atomic<std::uint64_t> g_ours{0}, g_others{0};
 }
 
 #ifdef FF_COUNTS_ALLOCATIONS

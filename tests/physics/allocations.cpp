@@ -7,9 +7,10 @@
 #include <cstdlib>
 #include <new>
 
+#include "engine/core/sanitizers.h"
 #include "tests/physics/physics_worlds.h"
 
-#if defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+#if defined(__GLIBC__) && !defined(FF_SANITIZES_MEMORY)
 #define FF_COUNTS_ALLOCATIONS 1
 #endif
 

@@ -4,6 +4,8 @@
 #include <cerrno>
 #include <cstddef>
 
+#include "engine/core/sanitizers.h"
+
 namespace {
 std::atomic<std::uint64_t> g_allocations{0};
 }
@@ -14,7 +16,7 @@ std::uint64_t heap_allocations() {
 }
 }  // namespace ff::tool
 
-#if defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+#if defined(__GLIBC__) && !defined(FF_SANITIZES_MEMORY)
 // glibc's documented way to replace malloc: define the family in the executable and forward to the originals.
 extern "C" {
 void* __libc_malloc(std::size_t);
