@@ -42,14 +42,11 @@ void MirroredMotion::begin_tile(int x, int y) {
     sine_ = std::sqrt(1.0 - cosine_ * cosine_);
 }
 
-bool MirroredMotion::shows(std::uint32_t instance, std::uint32_t triangle) const {
-    const std::optional<farfield::MirrorPlane> plane =
-        mirror_plane(scene_, scene_.instances[instance], triangle, view_.position);
-    if (!plane) return true;  // seen edge on: whoever knows
-    const DVec3 normal(plane->normal);
+bool MirroredMotion::shows(const farfield::MirrorPlane& plane) const {
+    const DVec3 normal(plane.normal);
     return std::any_of(moving_.begin(), moving_.end(), [&](const MovingSphere& sphere) {
         const DVec3 from_eye = sphere.center - view_.position;
-        const double above = glm::dot(normal, from_eye) + plane->height_m;
+        const double above = glm::dot(normal, from_eye) + plane.height_m;
         if (above < -sphere.radius) return false;  // behind the mirror
         const DVec3 image = from_eye - 2.0 * above * normal;
         const double distance = glm::length(image);

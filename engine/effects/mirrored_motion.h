@@ -21,19 +21,17 @@ void find_mirrored(const PinholeView& view, std::span<const farfield::MovingSphe
 class MirroredMotion {
   public:
     /// @param moving  find_mirrored(), borrowed
-    MirroredMotion(const scene::StaticScene& scene, const PinholeView& view,
-                   std::span<const farfield::MovingSphere> moving)
-        : scene_(scene), view_(view), moving_(moving) {}
+    MirroredMotion(const PinholeView& view, std::span<const farfield::MovingSphere> moving)
+        : view_(view), moving_(moving) {}
 
     /// @param x, y  its first pixel
     void begin_tile(int x, int y);
 
-    /// Whether the static triangle's mirror may show something that moves to a pixel of the tile. Never false where one
-    /// does.
-    [[nodiscard]] bool shows(std::uint32_t instance, std::uint32_t triangle) const;
+    /// Whether a mirror may show something that moves to a pixel of the tile. Never false where one does.
+    /// @param plane  the mirror's, as seen by the view's eye
+    [[nodiscard]] bool shows(const farfield::MirrorPlane& plane) const;
 
   private:
-    const scene::StaticScene& scene_;
     const PinholeView& view_;
     std::span<const farfield::MovingSphere> moving_;
     DVec3 middle_{0.0};                 ///< unit: of the cone round the tile's rays

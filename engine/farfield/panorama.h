@@ -96,8 +96,9 @@ struct PanoramaTarget {
     int color_stride = 0;                    ///< pixels a row, whole tiles
     bool depths = true;                      ///< of all reused pixels
     PanoramaNames names = PanoramaNames::all;
-    /// Optional, by tile of the view, row by row: not 0 where names and depths are wanted, marked or not.
-    std::span<const std::uint8_t> named;
+    /// Optional, by tile of the view, row by row. On entry not 0 where names and depths are wanted, marked or not; a
+    /// lookup leaves it so where it wrote names.
+    std::span<std::uint8_t> named;
 };
 
 class Panorama {

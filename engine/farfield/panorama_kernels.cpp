@@ -35,12 +35,15 @@ struct Wanted {
 
 inline Wanted wanted_of(const PanoramaTarget& target, const TileRequest& tile, bool is_marked) {
     if (target.visibility == nullptr) return {};
+    std::uint8_t* named = nullptr;
     if (!target.named.empty()) {
         const auto columns = std::size_t(target.visibility->stride / kTileSize);
-        is_marked |= target.named[std::size_t(tile.y / kTileSize) * columns + std::size_t(tile.x / kTileSize)] != 0;
+        named = &target.named[std::size_t(tile.y / kTileSize) * columns + std::size_t(tile.x / kTileSize)];
+        is_marked |= *named != 0;
     }
     const bool by_mark = target.names == PanoramaNames::marked;
     const bool names = target.names == PanoramaNames::all || (by_mark && is_marked);
+    if (named != nullptr) *named = std::uint8_t(names);
     return {.depths = target.depths || (by_mark && is_marked), .names = names, .blanks = by_mark && !is_marked};
 }
 

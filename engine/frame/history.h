@@ -95,7 +95,8 @@ struct FrameHistory {
     std::vector<farfield::MovingSphere> moving;    ///< scratch: balls round what moves
     farfield::MovingShadows moving_shadows;        ///< scratch: of that
     MovingTiles moving_tiles;                      ///< scratch: likewise, that a panorama is asked for
-    std::vector<std::uint8_t> named_tiles;         ///< scratch: by tile, whether either may show there
+    std::vector<std::uint8_t> named_tiles;         ///< scratch: by tile, whether either may show there, then whether
+                                                   ///< the panorama told what its pixels see
     std::vector<farfield::MovingSphere> mirrored;  ///< scratch: those that mirrors may show
     std::vector<farfield::TileRequest> all_tiles;
     bool can_rasterise = false;  ///< there is OpenGL to draw a near field with

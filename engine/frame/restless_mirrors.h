@@ -2,6 +2,9 @@
 // Mirrors are at rest while what they show stands still, and then have the colour of an earlier frame; waves move, and
 // what is mirrored may.
 
+#include <cstdint>
+#include <span>
+
 #include "engine/farfield/pixel_mask.h"
 #include "engine/frame/plan.h"
 #include "engine/scene/static_scene.h"
@@ -18,10 +21,11 @@ void find_mirrored(const FramePlan& plan, FrameHistory& history);
 [[nodiscard]] bool has_restless_mirrors(const FramePlan& plan, const FrameHistory& history);
 
 /// Takes their pixels out of a mask.
-/// @param history  find_mirrored() was called for the frame, and the mask's pixels are answered in its visibility,
-///                 those that show none of them perhaps as sky
+/// @param history    find_mirrored() was called for the frame, and the mask's pixels are answered in its visibility,
+///                   those that show none of them perhaps as sky
+/// @param has_names  by tile of the mask: 0 where none of its pixels is one; empty: any tile may have some
 void take_out_restless_mirrors(const FramePlan& plan, const scene::StaticScene& scene, const FrameHistory& history,
-                               farfield::PixelMask& mask);
+                               std::span<const std::uint8_t> has_names, farfield::PixelMask& mask);
 
 /// Leaves in a mask only mirrors that are at rest.
 /// @param history  likewise

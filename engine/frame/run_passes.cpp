@@ -109,11 +109,15 @@ void subtract(std::span<const TileRequest> wanted, std::span<const TileRequest> 
 }
 
 /// Takes pixels on which the shadow of something that moves may fall out of a mask of finished colours.
+/// @param named  by tile: 0 where none falls
 void take_out_shaded(const farfield::MovingShadows& shadows, std::span<const TileRequest> tiles,
-                     const farfield::VisibilityBuffer& visibility, PixelMask& coloured) {
+                     std::span<const std::uint8_t> named, const farfield::VisibilityBuffer& visibility,
+                     PixelMask& coloured) {
     constexpr std::size_t kTilesPerTask = 64;
     parallel_ranges(tiles.size(), kTilesPerTask, [&](std::size_t begin, std::size_t end) {
-        for (TileRequest tile : tiles.subspan(begin, end - begin)) {
+        for (std::size_t t = begin; t < end; ++t) {
+            if (named[t] == 0) continue;
+            TileRequest tile = tiles[t];
             farfield::TileMask& mask = tile_of(coloured, tile);
             for (int row = 0; row < kTileSize; ++row) tile.rows[row] &= mask.rows[row];
             if (tile.is_empty() || !shadows.find(visibility, tile)) continue;
@@ -370,9 +374,8 @@ void find_swaying(const FramePlan& plan, const Tools& tools, FrameHistory& histo
 
 /// Tiles in which something that moves may show, or cast its shadow on what is seen.
 void find_tiles_of_moving(const FramePlan& plan, FrameHistory& history) {
-    history.named_tiles.clear();
+    history.named_tiles.assign(history.all_tiles.size(), 0);
     if (plan.dynamic.empty()) return;
-    history.named_tiles.resize(history.all_tiles.size());
     history.moving_tiles.begin(plan.view);
     for (const scene::Instance& instance : plan.dynamic) history.moving_tiles.add(instance.bounds);
     constexpr std::size_t kTilesPerTask = 128;
@@ -528,9 +531,11 @@ void draw_surfaces(const FramePlan& plan, const Tools& tools, FrameHistory& hist
         remove(sources.verified, coloured);
         if (plan.look_up_panorama && plan.effects.is_active(effects::EffectId::reflections))
             show_resting_mirrors(plan, tools.scene, history, image);
-        if (plan.sun_shadows && !plan.dynamic.empty())
-            take_out_shaded(history.moving_shadows, history.all_tiles, visibility, coloured);
-        if (has_restless_mirrors(plan, history)) take_out_restless_mirrors(plan, tools.scene, history, coloured);
+        if (plan.look_up_panorama && plan.sun_shadows && !plan.dynamic.empty())
+            take_out_shaded(history.moving_shadows, history.all_tiles, history.named_tiles, visibility, coloured);
+        // Mirrors that were cast and are coloured all the same are at rest.
+        if (plan.look_up_panorama && has_restless_mirrors(plan, history))
+            take_out_restless_mirrors(plan, tools.scene, history, history.named_tiles, coloured);
         const PixelMask* const done[] = {&coloured};
         collect_requests(history.all_tiles, done, history.to_shade);
     }
@@ -549,7 +554,7 @@ void draw_surfaces(const FramePlan& plan, const Tools& tools, FrameHistory& hist
         // But mirrors that may show what moves: it would stay in them.
         PixelMask& steady = history.coloured;
         steady = sources.cast;
-        if (has_restless_mirrors(plan, history)) take_out_restless_mirrors(plan, tools.scene, history, steady);
+        if (has_restless_mirrors(plan, history)) take_out_restless_mirrors(plan, tools.scene, history, {}, steady);
         collect_requests(steady, history.to_store);
         history.panorama->store(plan.view, history.to_store, visibility, image.pixels, image.stride, sun_seen);
     }
