@@ -29,6 +29,21 @@ HWY_INLINE void prefetch_materials(const scene::StaticScene& scene, const BvhLea
     for (std::size_t index = 0; index < 3 * BvhLeaf::kMaxTriangles; index += kLine) __builtin_prefetch(indices + index);
 }
 
+// Asks memory for where the answers go: rows of an image lie too far apart for the processor to see them coming.
+HWY_INLINE void prefetch_answers(const BeamRequest& request, VisibilityBuffer& out) {
+    constexpr int kLine = 64 / sizeof(float);
+    const int rows = std::min(kBeamSize, out.rows - int(request.y));
+    const int columns = std::min(kBeamSize, out.stride - int(request.x));
+    for (int row = 0; row < rows; ++row) {
+        const std::size_t first = out.index(request.x, request.y + row);
+        for (std::size_t at = first; at < first + std::size_t(columns); at += kLine) {
+            __builtin_prefetch(&out.depth[at], 1);
+            __builtin_prefetch(&out.instance[at], 1);
+            __builtin_prefetch(&out.triangle[at], 1);
+        }
+    }
+}
+
 template <bool kBehind>
 HWY_NOINLINE void draw_leaf(const scene::StaticScene& scene, const BvhLeaf& leaf, std::uint32_t instance,
                             const Linear (&xyw)[3], const AlphaRays& rays, Tile& tile) {
@@ -78,6 +93,7 @@ void CastTile(const scene::StaticScene& scene, const BeamView& view, const BeamR
               CastCost& cost) {
     Tile tile;
     std::uint32_t rows[kBeamSize];
+    prefetch_answers(request, out);
     if (!begin_tile(view.view, request, rows, tile)) return;
     tile.begin = request.begin;
     for (const std::uint32_t row : rows) cost.rays += std::uint64_t(std::popcount(row));

@@ -292,6 +292,106 @@ HWY_INLINE bool draw_columns(const Drawn& d, int column, int y0, int y1, std::ui
     return !hn::AllFalse(f, any);
 }
 
+// Lanes of a register as a block of pixels, row by row.
+template <int kColumns>
+struct BlockLanes {
+    static constexpr int kRows = kLanes / kColumns;
+    static_assert(kRows * kColumns == kLanes && kRows >= 2);
+    using Row = hn::CappedTag<float, kColumns>;
+    alignas(64) float x[kLanes], y[kLanes];
+};
+template <int kColumns>
+constexpr BlockLanes<kColumns> block_lanes() {
+    BlockLanes<kColumns> lanes{};
+    for (int lane = 0; lane < kLanes; ++lane) {
+        lanes.x[lane] = float(lane % kColumns);
+        lanes.y[lane] = float(lane / kColumns);
+    }
+    return lanes;
+}
+
+template <int kColumns>
+HWY_INLINE VF load_block(const float* first) {
+    constexpr typename BlockLanes<kColumns>::Row row;
+    const auto at = [&](int r) HWY_ATTR { return hn::LoadU(row, first + r * kRowStride); };
+    if constexpr (BlockLanes<kColumns>::kRows == 2) {
+        return hn::Combine(f, at(1), at(0));
+    } else {
+        const hn::Half<F> half;
+        return hn::Combine(f, hn::Combine(half, at(3), at(2)), hn::Combine(half, at(1), at(0)));
+    }
+}
+
+// Of lanes that are as near as what a block's pixels show, by bits, those whose triangle has the greater name.
+template <int kColumns>
+HWY_NOINLINE std::uint32_t lost_ties(std::uint32_t tie, int at, std::uint32_t instance, std::uint32_t triangle,
+                                     const Tile& tile) {
+    std::uint32_t lost = 0;
+    for (; tie != 0; tie &= tie - 1) {
+        const int lane = std::countr_zero(tie), pixel = at + lane / kColumns * kRowStride + lane % kColumns;
+        const std::uint32_t other = tile.instance[pixel];
+        const bool is_smaller = instance < other || (instance == other && triangle < tile.triangle[pixel]);
+        if (!is_smaller) lost |= tie & (~tie + 1);
+    }
+    return lost;
+}
+
+// As draw_columns(), to the same bits, for a triangle no wider than kColumns: several rows to a register, as most
+// triangles are but a few pixels wide.
+template <bool kAlpha, bool kBehind, int kColumns>
+HWY_INLINE bool draw_narrow(const Drawn& d, int column, int y0, int y1, std::uint32_t instance, std::uint32_t triangle,
+                            Tile& tile, AlphaDraw* alpha, const LeafScratch& s, int i) {
+    using Lanes = BlockLanes<kColumns>;
+    constexpr typename Lanes::Row row_d;
+    constexpr hn::RebindToUnsigned<typename Lanes::Row> row_u;
+    static constexpr Lanes kBlock = block_lanes<kColumns>();
+    const VF x = hn::Add(hn::Load(f, kBlock.x), hn::Set(f, float(column) - kHalf));
+    const VF c0 = hn::MulAdd(d.a[0], x, d.c[0]), c1 = hn::MulAdd(d.a[1], x, d.c[1]);
+    const VF c2 = hn::MulAdd(d.a[2], x, d.c[2]), g = hn::MulAdd(d.gx, x, d.g0);
+    const VF too_near = hn::MulAdd(hn::Set(f, tile.behind_x), x, hn::Set(f, tile.behind_c));
+    bool any = false;
+    for (int row = y0; row <= y1; row += Lanes::kRows) {
+        const VF y = hn::Add(hn::Load(f, kBlock.y), hn::Set(f, float(row) - kHalf));
+        const VF e[3] = {hn::MulAdd(d.b[0], y, c0), hn::MulAdd(d.b[1], y, c1), hn::MulAdd(d.b[2], y, c2)};
+        const VF inverse_depth = hn::Min(hn::Max(hn::MulAdd(d.gy, y, g), d.low), d.high);
+        const int at = row * kRowStride + column;
+        const VF best = load_block<kColumns>(tile.best + at);
+        MF win = hn::And(hn::Ge(min3(e[0], e[1], e[2]), hn::Zero(f)), hn::Ge(inverse_depth, best));
+        if constexpr (kBehind)
+            win = hn::And(win, hn::Lt(inverse_depth, hn::MulAdd(hn::Set(f, tile.behind_y), y, too_near)));
+        if (HWY_UNLIKELY(d.is_thin)) {
+            const VF low_x = hn::Set(f, float(s.x0[i]) - kHalf), high_x = hn::Set(f, float(s.x1[i]) - kHalf);
+            win = hn::And(win, hn::And(hn::Ge(x, low_x), hn::Le(x, high_x)));
+        }
+        // Rows beyond the last are not the tile's.
+        const int lanes = (y1 - row + 1) * kColumns;
+        const std::uint32_t rows_left = lanes >= kLanes ? ~0u : (1u << lanes) - 1u;
+        std::uint32_t bits = bits_of(win) & rows_left;
+        if (bits == 0) continue;
+        const std::uint32_t tie = bits & bits_of(hn::Eq(inverse_depth, best));
+        if (HWY_UNLIKELY(tie != 0)) bits &= ~lost_ties<kColumns>(tie, at, instance, triangle, tile);
+        if constexpr (kAlpha) {
+            if (bits == 0) continue;
+            bits = bits_of(opaque_lanes(mask_of(bits), *alpha, s, i, x, y, e, inverse_depth));
+        }
+        if (bits == 0) continue;
+        any = true;
+        alignas(64) float depths[kLanes];
+        hn::Store(inverse_depth, f, depths);
+        for (int r = 0; r < Lanes::kRows; ++r, bits >>= kColumns) {
+            const std::uint8_t of_row[8] = {std::uint8_t(bits & ((1u << kColumns) - 1u))};
+            if (of_row[0] == 0) continue;
+            const auto won = hn::LoadMaskBits(row_d, of_row);
+            const auto won_u = hn::RebindMask(row_u, won);
+            const int to = at + r * kRowStride;
+            hn::BlendedStore(hn::Load(row_d, depths + r * kColumns), won, row_d, tile.best + to);
+            hn::BlendedStore(hn::Set(row_u, instance), won_u, row_u, tile.instance + to);
+            hn::BlendedStore(hn::Set(row_u, triangle), won_u, row_u, tile.triangle + to);
+        }
+    }
+    return any;
+}
+
 // First and last pixel centres of the cells' columns and rows.
 struct CellCorners {
     alignas(64) float x[2][16], y[2][16];
@@ -338,7 +438,13 @@ HWY_INLINE void draw(const LeafScratch& s, int i, std::uint32_t instance, std::u
         return draw_columns<kAlpha, kBehind>(d, column, first_row, last_row, instance, triangle, tile, alpha, s, i);
     };
     bool has_won = false;
-    if (x1 - x0 < 8) {
+    if (kLanes >= 8 && x1 - x0 < 4) {
+        has_won =
+            draw_narrow<kAlpha, kBehind, std::min(4, kLanes / 2)>(d, x0, y0, y1, instance, triangle, tile, alpha, s, i);
+    } else if (kLanes >= 16 && x1 - x0 < 8) {
+        has_won =
+            draw_narrow<kAlpha, kBehind, std::min(8, kLanes / 2)>(d, x0, y0, y1, instance, triangle, tile, alpha, s, i);
+    } else if (x1 - x0 < 8) {
         for (int column = x0; column <= x1; column += kLanes) has_won |= columns(column, y0, y1);
     } else {
         // Much of a wide triangle's bounds lies outside or behind.

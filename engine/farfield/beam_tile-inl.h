@@ -82,6 +82,11 @@ HWY_INLINE std::uint32_t bits_of(MF mask) {
     return kLanes > 8 ? std::uint32_t(bytes[0] | bytes[1] << 8) : std::uint32_t(bytes[0]);
 }
 
+HWY_INLINE MF mask_of(std::uint32_t bits) {
+    const std::uint8_t bytes[8] = {std::uint8_t(bits), std::uint8_t(bits >> 8)};
+    return hn::LoadMaskBits(f, bytes);
+}
+
 HWY_INLINE Linear linear_of(const DMat3& tile_from_world, int row, const DMat3& world_from_mesh, const DVec3& offset) {
     const DVec3 r(tile_from_world[0][row], tile_from_world[1][row], tile_from_world[2][row]);
     return {float(glm::dot(r, world_from_mesh[0])), float(glm::dot(r, world_from_mesh[1])),

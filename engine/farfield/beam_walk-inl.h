@@ -9,6 +9,7 @@
 
 #include <hwy/highway.h>
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstdint>
@@ -20,6 +21,7 @@ namespace ff::farfield::beam {
 namespace HWY_NAMESPACE {
 namespace {
 
+constexpr int kAhead = 8;            // children on the stack that memory is asked for
 constexpr int kStackEntries = 2048;  // 15 per level of a tree; the builder keeps trees below 132 levels
 
 // Pixels of the tile: columns x0..x1 and rows y0..y1, five bits each from the lowest on; then the rectangle of cells
@@ -225,7 +227,8 @@ struct AllChildren {
 };
 
 // Walks one hierarchy front to back; `on_leaf(leaf id)` may bring pixels nearer.
-// @param children_of  which children of a node count, as bits
+// @param prefetch_child  asks memory for a child that will be looked at before long
+// @param children_of     which children of a node count, as bits
 template <class Prefetch, class OnLeaf, class ChildrenOf = AllChildren>
 HWY_INLINE void walk(const BvhNode* nodes, const Beam& beam, const Tile& tile, std::uint64_t& visited,
                      Prefetch&& prefetch_child, OnLeaf&& on_leaf, ChildrenOf&& children_of = {}) {
@@ -235,6 +238,7 @@ HWY_INLINE void walk(const BvhNode* nodes, const Beam& beam, const Tile& tile, s
     stack[top++] = {0.0f, 0, {PixelRect::kWholeTile}};
     while (top > 0) {
         const StackEntry entry = stack[--top];
+        if (top >= kAhead) prefetch_child(stack[top - kAhead].child);
         if (!may_be_seen(tile, entry.near, entry.rect)) continue;
         if (entry.rect.is_few() && !may_be_seen_in_few(tile, entry.near, entry.rect)) continue;
         if (entry.child & kBvhLeafBit) {
@@ -250,10 +254,12 @@ HWY_INLINE void walk(const BvhNode* nodes, const Beam& beam, const Tile& tile, s
         // The nearest comes to lie on top. Where each belongs is counted, not searched: no branch to be guessed.
         for (std::uint32_t left = met.all; left != 0; left &= left - 1) {
             const int lane = std::countr_zero(left);
-            prefetch_child(node.child[lane]);
             stack[top + farther_than(met, lane)] = {met.near[lane], node.child[lane], {met.rect[lane]}};
         }
+        const int first = top;
         top += std::popcount(met.all);
+        // What is needed first is asked for first, and no more than memory can bring at once.
+        for (int i = top; i-- > std::max(first, top - kAhead);) prefetch_child(stack[i].child);
     }
 }
 
