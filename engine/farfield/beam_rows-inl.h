@@ -200,7 +200,9 @@ HWY_NOINLINE void sway(const AlphaRays& rays, const AlphaSurface& surface, VF x,
             const VI level_y = texel_of(v, std::max(1u, texture.height >> level), texture.wrap_v);
             const VI index = hn::Add(hn::Mul(level_y, hn::Set(si, std::int32_t(width))), level_x);
             const auto* first = surface.texels + offset_of(texture, std::uint32_t(level));
-            const VI texel = hn::GatherIndex(si, reinterpret_cast<const std::int32_t*>(first), index);
+            // Lanes that win nothing ask for the same texel: each of its own would be waited for.
+            const VI of_winners = hn::IfThenElseZero(hn::RebindMask(si, hn::And(here, win)), index);
+            const VI texel = hn::GatherIndex(si, reinterpret_cast<const std::int32_t*>(first), of_winners);
             const VF level_alpha = hn::ConvertTo(f, hn::BitCast(si, hn::ShiftRight<24>(hn::BitCast(ui, texel))));
             texture_alpha = hn::IfThenElse(here, level_alpha, texture_alpha);
             if (HWY_UNLIKELY(!hn::AllFalse(f, hn::And(here, in_layer)))) {

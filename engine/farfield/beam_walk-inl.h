@@ -25,17 +25,15 @@ constexpr int kAhead = 8;            // children on the stack that memory is ask
 constexpr int kStackEntries = 2048;  // 15 per level of a tree; the builder keeps trees below 132 levels
 
 // Pixels of the tile: columns x0..x1 and rows y0..y1, five bits each from the lowest on; then the rectangle of cells
-// that they touch, eight bits; then whether they are few.
+// that they touch, eight bits.
 struct PixelRect {
-    static constexpr int kFew = 4;  // columns and rows at most
-    static constexpr std::uint32_t kWholeTile = 0xCCu << 20 | 31u << 15 | 31u << 5, kIsFew = 1u << 28;
+    static constexpr std::uint32_t kWholeTile = 0xCCu << 20 | 31u << 15 | 31u << 5;
     std::uint32_t packed;
     [[nodiscard]] std::uint32_t x0() const { return packed & 31u; }
     [[nodiscard]] std::uint32_t x1() const { return packed >> 5 & 31u; }
     [[nodiscard]] std::uint32_t y0() const { return packed >> 10 & 31u; }
     [[nodiscard]] std::uint32_t y1() const { return packed >> 15 & 31u; }
     [[nodiscard]] std::uint32_t cells() const { return packed >> 20 & 255u; }
-    [[nodiscard]] bool is_few() const { return (packed & kIsFew) != 0; }
 };
 
 struct StackEntry {
@@ -135,13 +133,11 @@ HWY_INLINE void covered_centres(VF low, VF high, VF per_near, VF per_far, VI& fi
 
 // PixelRects.
 HWY_INLINE VI pack(VI x0, VI x1, VI y0, VI y1) {
-    const VI few = hn::Set(si, PixelRect::kFew);
     const auto cell = [](VI pixel) { return hn::ShiftRight<3>(pixel); };
     const VI columns = range_of_cells(cell(x0), cell(x1)), rows = range_of_cells(cell(y0), cell(y1));
     const VI cells = hn::Or(columns, hn::ShiftLeft<4>(rows));
-    const auto are_few = hn::And(hn::Lt(hn::Sub(x1, x0), few), hn::Lt(hn::Sub(y1, y0), few));
     return hn::Or(hn::Or(hn::Or(x0, hn::ShiftLeft<5>(x1)), hn::Or(hn::ShiftLeft<10>(y0), hn::ShiftLeft<15>(y1))),
-                  hn::Or(hn::ShiftLeft<20>(cells), hn::IfThenElseZero(are_few, hn::Set(si, int(PixelRect::kIsFew)))));
+                  hn::ShiftLeft<20>(cells));
 }
 
 HWY_INLINE void children_in_beam(const BvhNode& node, const Beam& beam, const TileBounds& bounds, const Tile& tile,
@@ -195,24 +191,25 @@ HWY_INLINE int farther_than(const Met& met, int lane) {
     return std::popcount((farther | (equal & ((1u << lane) - 1u))) & met.all);
 }
 
-// Whether something in these few pixels, nowhere nearer than `near`, could still be seen: they are asked one by one.
-HWY_INLINE bool may_be_seen_in_few(const Tile& tile, float near, PixelRect rect) {
-    const hn::CappedTag<float, PixelRect::kFew> d;
-    const hn::RebindToSigned<decltype(d)> di;
-    static_assert(hn::MaxLanes(d) == std::size_t(PixelRect::kFew));
-    const std::uint32_t left = std::min(rect.x0(), std::uint32_t(kBeamSize - PixelRect::kFew));
-    auto least = hn::Set(d, kInf);
-    for (std::uint32_t y = rect.y0(); y <= rect.y1(); ++y)
-        least = hn::Min(least, hn::LoadU(d, tile.best + y * std::uint32_t(kRowStride) + left));
-    const auto lane = hn::Iota(di, int(left));
-    const auto outside = hn::Or(hn::Lt(lane, hn::Set(di, int(rect.x0()))), hn::Gt(lane, hn::Set(di, int(rect.x1()))));
-    least = hn::IfThenElse(hn::RebindMask(d, outside), hn::Set(d, kInf), least);
-    return !(near * hn::GetLane(hn::MinOfLanes(d, least)) >= kFarther);
+// Whether something in these pixels, nowhere nearer than `near`, could still be seen: by the farthest of the cells that
+// they touch.
+HWY_INLINE bool may_be_seen_in_cells(const Tile& tile, float near, PixelRect rect) {
+    return near * tile.least(rect.cells()) < kFarther;
 }
 
-// The same for any pixels, by the farthest of the cells that they touch.
-HWY_INLINE bool may_be_seen(const Tile& tile, float near, PixelRect rect) {
-    return near * tile.least(rect.cells()) < kFarther;
+// The same by each of the pixels. What may be seen mostly may in one of the first rows; what may not saves more than
+// all of them cost.
+HWY_INLINE bool may_be_seen_in_pixels(const Tile& tile, float near, PixelRect rect) {
+    const VF nearest = hn::Set(f, near), farther = hn::Set(f, kFarther);
+    for (std::uint32_t column = rect.x0(); column <= rect.x1(); column += kLanes) {
+        const MF inside = hn::FirstN(f, rect.x1() - column + 1);
+        const float* best = tile.best + rect.y0() * std::uint32_t(kRowStride) + column;
+        for (std::uint32_t row = rect.y0(); row <= rect.y1(); ++row, best += kRowStride) {
+            const MF seen = hn::Lt(hn::Mul(nearest, hn::LoadU(f, best)), farther);
+            if (!hn::AllFalse(f, hn::And(seen, inside))) return true;
+        }
+    }
+    return false;
 }
 
 template <class T>
@@ -239,8 +236,8 @@ HWY_INLINE void walk(const BvhNode* nodes, const Beam& beam, const Tile& tile, s
     while (top > 0) {
         const StackEntry entry = stack[--top];
         if (top >= kAhead) prefetch_child(stack[top - kAhead].child);
-        if (!may_be_seen(tile, entry.near, entry.rect)) continue;
-        if (entry.rect.is_few() && !may_be_seen_in_few(tile, entry.near, entry.rect)) continue;
+        if (!may_be_seen_in_cells(tile, entry.near, entry.rect)) continue;
+        if (!may_be_seen_in_pixels(tile, entry.near, entry.rect)) continue;
         if (entry.child & kBvhLeafBit) {
             on_leaf(entry.child & ~kBvhLeafBit);
             continue;
