@@ -44,6 +44,18 @@ HWY_INLINE void prefetch_answers(const BeamRequest& request, VisibilityBuffer& o
     }
 }
 
+// Likewise for the vertices of those of its triangles that are set.
+HWY_INLINE void prefetch_attributes(const scene::StaticScene& scene, const BvhLeaf& leaf, std::uint32_t instance,
+                                    std::uint32_t triangles) {
+    const scene::Mesh& mesh = scene.meshes[scene.instances[instance].mesh];
+    const std::uint32_t* indices = &scene.indices[3 * (std::size_t(mesh.first_triangle) + leaf.first_triangle)];
+    const scene::VertexAttributes* attributes = scene.attributes.data() + mesh.first_vertex;
+    for (; triangles != 0; triangles &= triangles - 1) {
+        const std::uint32_t* corners = indices + 3 * std::countr_zero(triangles);
+        for (int k = 0; k < 3; ++k) __builtin_prefetch(attributes + corners[k]);
+    }
+}
+
 template <bool kBehind>
 HWY_NOINLINE void draw_leaf(const scene::StaticScene& scene, const BvhLeaf& leaf, std::uint32_t instance,
                             const Linear (&xyw)[3], const AlphaRays& rays, Tile& tile) {
@@ -59,6 +71,7 @@ HWY_NOINLINE void draw_leaf(const scene::StaticScene& scene, const BvhLeaf& leaf
                           : (direct ? set_up<true, false, true>(leaf, first, tile, s)
                                     : set_up<true, false, false>(leaf, first, tile, s));
     }
+    if ((bits & leaf.alpha_triangles) != 0) prefetch_attributes(scene, leaf, instance, bits & leaf.alpha_triangles);
     for (; bits != 0; bits &= bits - 1) {
         const int i = std::countr_zero(bits);
         const std::uint32_t triangle = leaf.first_triangle + std::uint32_t(i);

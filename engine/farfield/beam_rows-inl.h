@@ -242,12 +242,66 @@ struct Drawn {
     }
 };
 
+// Pixels at which a see-through triangle would win if it is there. They wait until they fill a register: a row of
+// foliage has four or five, and to ask for their texels costs the same for one and for all lanes.
+struct AlphaCandidates {
+    const Drawn& drawn;
+    AlphaDraw& alpha;
+    const LeafScratch& s;
+    int i;
+    Tile& tile;
+    int count = 0;
+    bool has_won = false;
+    alignas(64) float x[2 * kLanes], y[2 * kLanes];
+
+    HWY_INLINE AlphaCandidates(const Drawn& of, AlphaDraw& draw, const LeafScratch& leaf, int triangle, Tile& into)
+        : drawn(of), alpha(draw), s(leaf), i(triangle), tile(into) {}
+
+    HWY_INLINE void add(MF win, VF at_x, VF at_y) {
+        hn::StoreU(hn::Compress(at_x, win), f, x + count);
+        hn::StoreU(hn::Compress(at_y, win), f, y + count);
+        count += int(hn::CountTrue(f, win));
+        if (count < kLanes) return;
+        settle(kLanes);
+        count -= kLanes;
+        hn::Store(hn::Load(f, x + kLanes), f, x);
+        hn::Store(hn::Load(f, y + kLanes), f, y);
+    }
+
+    // The first few win where the triangle is opaque.
+    HWY_NOINLINE void settle(int few) {
+        const Drawn& d = drawn;
+        const VF at_x = hn::Load(f, x), at_y = hn::Load(f, y);
+        VF e[3];
+        for (int k = 0; k < 3; ++k) e[k] = hn::MulAdd(d.b[k], at_y, hn::MulAdd(d.a[k], at_x, d.c[k]));
+        const VF plane = hn::MulAdd(d.gy, at_y, hn::MulAdd(d.gx, at_x, d.g0));
+        const VF inverse_depth = hn::Min(hn::Max(plane, d.low), d.high);
+        const MF first = hn::FirstN(f, std::size_t(few));
+        std::uint32_t won = bits_of(opaque_lanes(first, alpha, s, i, at_x, at_y, e, inverse_depth));
+        if (won == 0) return;
+        has_won = true;
+        const VF half = hn::Set(f, kHalf);
+        const VF row = hn::Add(at_y, half), column = hn::Add(at_x, half);
+        alignas(64) std::int32_t pixels[kLanes];
+        alignas(64) float depths[kLanes];
+        hn::Store(hn::ConvertTo(si, hn::MulAdd(row, hn::Set(f, float(kRowStride)), column)), si, pixels);
+        hn::Store(inverse_depth, f, depths);
+        for (; won != 0; won &= won - 1) {
+            const int lane = std::countr_zero(won), pixel = pixels[lane];
+            tile.best[pixel] = depths[lane];
+            tile.instance[pixel] = alpha.instance;
+            tile.triangle[pixel] = alpha.triangle;
+        }
+    }
+};
+
 // Draws a register's columns from `column` on, rows y0..y1; true if a pixel was won. Rows are the inner loop: what
 // depends on the column alone is done once.
 // @tparam kBehind  only what lies beyond Tile::behind_* counts
+// @param see_through  nullptr: it is not; else pixels are left to them, and none is won
 template <bool kAlpha, bool kBehind>
 HWY_INLINE bool draw_columns(const Drawn& d, int column, int y0, int y1, std::uint32_t instance, std::uint32_t triangle,
-                             Tile& tile, AlphaDraw* alpha, const LeafScratch& s, int i) {
+                             Tile& tile, AlphaCandidates* see_through, const LeafScratch& s, int i) {
     const VF x = hn::Iota(f, float(column) - kHalf);
     const VF c0 = hn::MulAdd(d.a[0], x, d.c[0]), c1 = hn::MulAdd(d.a[1], x, d.c[1]);
     const VF c2 = hn::MulAdd(d.a[2], x, d.c[2]), g = hn::MulAdd(d.gx, x, d.g0);
@@ -282,8 +336,8 @@ HWY_INLINE bool draw_columns(const Drawn& d, int column, int y0, int y1, std::ui
             win = hn::AndNot(hn::AndNot(hn::RebindMask(f, smaller), tie), win);
         }
         if constexpr (kAlpha) {
-            win = opaque_lanes(win, *alpha, s, i, x, y, e, inverse_depth);
-            if (hn::AllFalse(f, win)) continue;
+            see_through->add(win, x, y);
+            continue;
         }
         hn::StoreU(hn::IfThenElse(win, inverse_depth, best), f, tile.best + at);
         const auto win_u = hn::RebindMask(ui, win);
@@ -342,7 +396,7 @@ HWY_NOINLINE std::uint32_t lost_ties(std::uint32_t tie, int at, std::uint32_t in
 // triangles are but a few pixels wide.
 template <bool kAlpha, bool kBehind, int kColumns>
 HWY_INLINE bool draw_narrow(const Drawn& d, int column, int y0, int y1, std::uint32_t instance, std::uint32_t triangle,
-                            Tile& tile, AlphaDraw* alpha, const LeafScratch& s, int i) {
+                            Tile& tile, AlphaCandidates* see_through, const LeafScratch& s, int i) {
     using Lanes = BlockLanes<kColumns>;
     constexpr typename Lanes::Row row_d;
     constexpr hn::RebindToUnsigned<typename Lanes::Row> row_u;
@@ -372,11 +426,11 @@ HWY_INLINE bool draw_narrow(const Drawn& d, int column, int y0, int y1, std::uin
         if (bits == 0) continue;
         const std::uint32_t tie = bits & bits_of(hn::Eq(inverse_depth, best));
         if (HWY_UNLIKELY(tie != 0)) bits &= ~lost_ties<kColumns>(tie, at, instance, triangle, tile);
-        if constexpr (kAlpha) {
-            if (bits == 0) continue;
-            bits = bits_of(opaque_lanes(mask_of(bits), *alpha, s, i, x, y, e, inverse_depth));
-        }
         if (bits == 0) continue;
+        if constexpr (kAlpha) {
+            see_through->add(mask_of(bits), x, y);
+            continue;
+        }
         any = true;
         alignas(64) float depths[kLanes];
         hn::Store(inverse_depth, f, depths);
@@ -430,37 +484,55 @@ HWY_INLINE std::uint32_t cells_to_draw(const Drawn& d, const LeafScratch& s, int
     return cells;
 }
 
-// Draws triangle i of the leaf into the pixels that it wins.
+// Draws triangle i of the leaf into the pixels that it wins; true if any.
+template <bool kAlpha, bool kBehind>
+HWY_INLINE bool draw_pixels(const Drawn& d, const LeafScratch& s, int i, std::uint32_t instance, std::uint32_t triangle,
+                            Tile& tile, AlphaCandidates* see_through) {
+    const int x0 = s.x0[i], x1 = s.x1[i], y0 = s.y0[i], y1 = s.y1[i];
+    const auto columns = [&](int column, int first_row, int last_row) {
+        return draw_columns<kAlpha, kBehind>(d, column, first_row, last_row, instance, triangle, tile, see_through, s,
+                                             i);
+    };
+    if (kLanes >= 8 && x1 - x0 < 4)
+        return draw_narrow<kAlpha, kBehind, std::min(4, kLanes / 2)>(d, x0, y0, y1, instance, triangle, tile,
+                                                                     see_through, s, i);
+    if (kLanes >= 16 && x1 - x0 < 8)
+        return draw_narrow<kAlpha, kBehind, std::min(8, kLanes / 2)>(d, x0, y0, y1, instance, triangle, tile,
+                                                                     see_through, s, i);
+    bool has_won = false;
+    if (x1 - x0 < 8) {
+        for (int column = x0; column <= x1; column += kLanes) has_won |= columns(column, y0, y1);
+        return has_won;
+    }
+    // Much of a wide triangle's bounds lies outside or behind.
+    const std::uint32_t cells = cells_to_draw(d, s, i, tile);
+    constexpr int kCellsAtOnce = std::max(1, kLanes / 8);
+    for (int row = y0; row <= y1; row = row / 8 * 8 + 8) {
+        const std::uint32_t of_row = cells >> row / 8 * kCells;
+        for (int column = x0 / 8 * 8; column <= x1; column += kLanes) {
+            if ((of_row >> column / 8 & ((1u << kCellsAtOnce) - 1u)) == 0) continue;
+            has_won |= columns(column, row, std::min(y1, row / 8 * 8 + 7));
+        }
+    }
+    return has_won;
+}
+
+// The same, and notes the cells that have changed.
+// @param alpha  of a see-through triangle
 template <bool kAlpha, bool kBehind = false>
 HWY_INLINE void draw(const LeafScratch& s, int i, std::uint32_t instance, std::uint32_t triangle, Tile& tile,
                      AlphaDraw* alpha) {
     const Drawn d(s, i);
-    const int x0 = s.x0[i], x1 = s.x1[i], y0 = s.y0[i], y1 = s.y1[i];
-    const auto columns = [&](int column, int first_row, int last_row) {
-        return draw_columns<kAlpha, kBehind>(d, column, first_row, last_row, instance, triangle, tile, alpha, s, i);
-    };
-    bool has_won = false;
-    if (kLanes >= 8 && x1 - x0 < 4) {
-        has_won =
-            draw_narrow<kAlpha, kBehind, std::min(4, kLanes / 2)>(d, x0, y0, y1, instance, triangle, tile, alpha, s, i);
-    } else if (kLanes >= 16 && x1 - x0 < 8) {
-        has_won =
-            draw_narrow<kAlpha, kBehind, std::min(8, kLanes / 2)>(d, x0, y0, y1, instance, triangle, tile, alpha, s, i);
-    } else if (x1 - x0 < 8) {
-        for (int column = x0; column <= x1; column += kLanes) has_won |= columns(column, y0, y1);
+    bool has_won;
+    if constexpr (kAlpha) {
+        AlphaCandidates candidates(d, *alpha, s, i, tile);
+        (void)draw_pixels<true, kBehind>(d, s, i, instance, triangle, tile, &candidates);
+        if (candidates.count > 0) candidates.settle(candidates.count);
+        has_won = candidates.has_won;
     } else {
-        // Much of a wide triangle's bounds lies outside or behind.
-        const std::uint32_t cells = cells_to_draw(d, s, i, tile);
-        constexpr int kCellsAtOnce = std::max(1, kLanes / 8);
-        for (int row = y0; row <= y1; row = row / 8 * 8 + 8) {
-            const std::uint32_t of_row = cells >> row / 8 * kCells;
-            for (int column = x0 / 8 * 8; column <= x1; column += kLanes) {
-                if ((of_row >> column / 8 & ((1u << kCellsAtOnce) - 1u)) == 0) continue;
-                has_won |= columns(column, row, std::min(y1, row / 8 * 8 + 7));
-            }
-        }
+        has_won = draw_pixels<false, kBehind>(d, s, i, instance, triangle, tile, nullptr);
     }
-    if (has_won) tile.changed_cells |= cells_of(x0, x1, y0, y1);
+    if (has_won) tile.changed_cells |= cells_of(s.x0[i], s.x1[i], s.y0[i], s.y1[i]);
 }
 
 }  // namespace
