@@ -42,14 +42,17 @@ struct AlphaDraw {
     LateSurface surface;
 };
 
+// A texture coordinate in the first of the periods by which it repeats: one picture, or two where every other is
+// mirrored. Those that do not repeat stay as they are.
+HWY_INLINE VF in_first_period(VF c, scene::Wrap wrap) {
+    if (wrap == scene::Wrap::repeat) return hn::Sub(c, hn::Floor(c));
+    if (wrap != scene::Wrap::mirror) return c;
+    return hn::Sub(c, hn::Mul(hn::Set(f, 2.0f), hn::Floor(hn::Mul(hn::Set(f, 0.5f), c))));
+}
+
 HWY_INLINE VI texel_of(VF coordinate, std::uint32_t size, scene::Wrap wrap) {
-    VF c = coordinate;
-    if (wrap == scene::Wrap::repeat) {
-        c = hn::Sub(c, hn::Floor(c));
-    } else if (wrap == scene::Wrap::mirror) {
-        c = hn::Sub(c, hn::Mul(hn::Set(f, 2.0f), hn::Floor(hn::Mul(hn::Set(f, 0.5f), c))));
-        c = hn::IfThenElse(hn::Gt(c, hn::Set(f, 1.0f)), hn::Sub(hn::Set(f, 2.0f), c), c);
-    }
+    VF c = in_first_period(coordinate, wrap);
+    if (wrap == scene::Wrap::mirror) c = hn::IfThenElse(hn::Gt(c, hn::Set(f, 1.0f)), hn::Sub(hn::Set(f, 2.0f), c), c);
     const VF texel = hn::Max(hn::Mul(c, hn::Set(f, float(size))), hn::Zero(f));  // not-a-number becomes 0
     return hn::ConvertTo(si, hn::Min(texel, hn::Set(f, float(size - 1))));
 }
@@ -60,14 +63,8 @@ struct Taps {
     VF weight;
 };
 HWY_INLINE Taps taps_along(VF coordinate, std::int32_t size, scene::Wrap wrap) {
-    VF c = coordinate;
-    if (wrap == scene::Wrap::repeat) {
-        c = hn::Sub(c, hn::Floor(c));
-    } else if (wrap == scene::Wrap::mirror) {
-        c = hn::Sub(c, hn::Mul(hn::Set(f, 2.0f), hn::Floor(hn::Mul(hn::Set(f, 0.5f), c))));
-    } else {  // not-a-number becomes 0
-        c = hn::Min(hn::Max(c, hn::Zero(f)), hn::Set(f, 1.0f));
-    }
+    VF c = in_first_period(coordinate, wrap);
+    if (wrap == scene::Wrap::clamp) c = hn::Min(hn::Max(c, hn::Zero(f)), hn::Set(f, 1.0f));  // not-a-number becomes 0
     const VF at = hn::MulSub(c, hn::Set(f, float(size)), hn::Set(f, 0.5f));
     const VF below = hn::Floor(at);
     const VI texel = hn::ConvertTo(si, below);

@@ -29,6 +29,18 @@ HWY_INLINE void prefetch_materials(const scene::StaticScene& scene, const BvhLea
     for (std::size_t index = 0; index < 3 * BvhLeaf::kMaxTriangles; index += kLine) __builtin_prefetch(indices + index);
 }
 
+// So do the vertices of those of a leaf's triangles that are set.
+HWY_INLINE void prefetch_attributes(const scene::StaticScene& scene, const BvhLeaf& leaf, std::uint32_t instance,
+                                    std::uint32_t triangles) {
+    const scene::Mesh& mesh = scene.meshes[scene.instances[instance].mesh];
+    const std::uint32_t* indices = &scene.indices[3 * (std::size_t(mesh.first_triangle) + leaf.first_triangle)];
+    const scene::VertexAttributes* attributes = scene.attributes.data() + mesh.first_vertex;
+    for (; triangles != 0; triangles &= triangles - 1) {
+        const std::uint32_t* corners = indices + 3 * std::countr_zero(triangles);
+        for (int k = 0; k < 3; ++k) __builtin_prefetch(attributes + corners[k]);
+    }
+}
+
 // Asks memory for where the answers go: rows of an image lie too far apart for the processor to see them coming.
 HWY_INLINE void prefetch_answers(const BeamRequest& request, VisibilityBuffer& out) {
     constexpr int kLine = 64 / sizeof(float);
@@ -41,18 +53,6 @@ HWY_INLINE void prefetch_answers(const BeamRequest& request, VisibilityBuffer& o
             __builtin_prefetch(&out.instance[at], 1);
             __builtin_prefetch(&out.triangle[at], 1);
         }
-    }
-}
-
-// Likewise for the vertices of those of its triangles that are set.
-HWY_INLINE void prefetch_attributes(const scene::StaticScene& scene, const BvhLeaf& leaf, std::uint32_t instance,
-                                    std::uint32_t triangles) {
-    const scene::Mesh& mesh = scene.meshes[scene.instances[instance].mesh];
-    const std::uint32_t* indices = &scene.indices[3 * (std::size_t(mesh.first_triangle) + leaf.first_triangle)];
-    const scene::VertexAttributes* attributes = scene.attributes.data() + mesh.first_vertex;
-    for (; triangles != 0; triangles &= triangles - 1) {
-        const std::uint32_t* corners = indices + 3 * std::countr_zero(triangles);
-        for (int k = 0; k < 3; ++k) __builtin_prefetch(attributes + corners[k]);
     }
 }
 

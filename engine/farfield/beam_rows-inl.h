@@ -94,33 +94,56 @@ struct AlphaCandidates {
     }
 };
 
-// Draws a register's columns from `column` on, rows y0..y1; true if a pixel was won. Rows are the inner loop: what
-// depends on the column alone is done once.
+// A register's pixels of a triangle on any rows: what depends on the columns alone is done once.
 // @tparam kBehind  only what lies beyond Tile::behind_* counts
-// @param see_through  nullptr: it is not; else pixels are left to them, and none is won
-template <bool kAlpha, bool kBehind>
-HWY_INLINE bool draw_columns(const Drawn& d, int column, int y0, int y1, std::uint32_t instance, std::uint32_t triangle,
-                             Tile& tile, AlphaCandidates* see_through, const LeafScratch& s, int i) {
-    const VF x = hn::Iota(f, float(column) - kHalf);
-    const VF c0 = hn::MulAdd(d.a[0], x, d.c[0]), c1 = hn::MulAdd(d.a[1], x, d.c[1]);
-    const VF c2 = hn::MulAdd(d.a[2], x, d.c[2]), g = hn::MulAdd(d.gx, x, d.g0);
-    const VF too_near = hn::MulAdd(hn::Set(f, tile.behind_x), x, hn::Set(f, tile.behind_c));
-    MF any = hn::MaskFromVec(hn::Zero(f));
-    VF y = hn::Set(f, float(y0) - kHalf);
-    for (int row = y0; row <= y1; ++row, y = hn::Add(y, hn::Set(f, 1.0f))) {
-        const VF e[3] = {hn::MulAdd(d.b[0], y, c0), hn::MulAdd(d.b[1], y, c1), hn::MulAdd(d.b[2], y, c2)};
-        // Not-a-number (a sliver's plane) becomes `low`: x86's max returns its second operand then.
-        const VF inverse_depth = hn::Min(hn::Max(hn::MulAdd(d.gy, y, g), d.low), d.high);
-        const int at = row * kRowStride + column;
-        const VF best = hn::LoadU(f, tile.best + at);
-        const MF inside = hn::Ge(min3(e[0], e[1], e[2]), hn::Zero(f));
-        MF win = hn::And(inside, hn::Ge(inverse_depth, best));
+template <bool kBehind>
+struct ColumnTerms {
+    const Drawn& d;
+    const LeafScratch& s;
+    int i;
+    const Tile& tile;
+    VF x, e0, e1, e2, plane, too_near;
+    HWY_INLINE ColumnTerms(const Drawn& drawn, const LeafScratch& leaf, int triangle, const Tile& into, VF at_x)
+        : d(drawn),
+          s(leaf),
+          i(triangle),
+          tile(into),
+          x(at_x),
+          e0(hn::MulAdd(d.a[0], x, d.c[0])),
+          e1(hn::MulAdd(d.a[1], x, d.c[1])),
+          e2(hn::MulAdd(d.a[2], x, d.c[2])),
+          plane(hn::MulAdd(d.gx, x, d.g0)),
+          too_near(hn::MulAdd(hn::Set(f, tile.behind_x), x, hn::Set(f, tile.behind_c))) {}
+
+    // Not-a-number (a sliver's plane) becomes `low`: x86's max returns its second operand then.
+    HWY_INLINE VF inverse_depth(VF y) const { return hn::Min(hn::Max(hn::MulAdd(d.gy, y, plane), d.low), d.high); }
+    // Those that the triangle covers, no farther away than `best`.
+    HWY_INLINE MF covered(VF y, VF inverse_depth, VF best) const {
+        const VF inside = min3(hn::MulAdd(d.b[0], y, e0), hn::MulAdd(d.b[1], y, e1), hn::MulAdd(d.b[2], y, e2));
+        MF win = hn::And(hn::Ge(inside, hn::Zero(f)), hn::Ge(inverse_depth, best));
         if constexpr (kBehind)
             win = hn::And(win, hn::Lt(inverse_depth, hn::MulAdd(hn::Set(f, tile.behind_y), y, too_near)));
         if (HWY_UNLIKELY(d.is_thin)) {
             const VF low_x = hn::Set(f, float(s.x0[i]) - kHalf), high_x = hn::Set(f, float(s.x1[i]) - kHalf);
             win = hn::And(win, hn::And(hn::Ge(x, low_x), hn::Le(x, high_x)));
         }
+        return win;
+    }
+};
+
+// Draws a register's columns from `column` on, rows y0..y1; true if a pixel was won.
+// @param see_through  nullptr: it is not; else pixels are left to them, and none is won
+template <bool kAlpha, bool kBehind>
+HWY_INLINE bool draw_columns(const Drawn& d, int column, int y0, int y1, std::uint32_t instance, std::uint32_t triangle,
+                             Tile& tile, AlphaCandidates* see_through, const LeafScratch& s, int i) {
+    const ColumnTerms<kBehind> terms(d, s, i, tile, hn::Iota(f, float(column) - kHalf));
+    MF any = hn::MaskFromVec(hn::Zero(f));
+    VF y = hn::Set(f, float(y0) - kHalf);
+    for (int row = y0; row <= y1; ++row, y = hn::Add(y, hn::Set(f, 1.0f))) {
+        const VF inverse_depth = terms.inverse_depth(y);
+        const int at = row * kRowStride + column;
+        const VF best = hn::LoadU(f, tile.best + at);
+        MF win = terms.covered(y, inverse_depth, best);
         // Half of the registers win something: to write back what was there is cheaper than to guess.
         if constexpr (kAlpha) {
             if (hn::AllFalse(f, win)) continue;
@@ -135,7 +158,7 @@ HWY_INLINE bool draw_columns(const Drawn& d, int column, int y0, int y1, std::ui
             win = hn::AndNot(hn::AndNot(hn::RebindMask(f, smaller), tie), win);
         }
         if constexpr (kAlpha) {
-            see_through->add(win, x, y);
+            see_through->add(win, terms.x, y);
             continue;
         }
         hn::StoreU(hn::IfThenElse(win, inverse_depth, best), f, tile.best + at);
@@ -200,24 +223,14 @@ HWY_INLINE bool draw_narrow(const Drawn& d, int column, int y0, int y1, std::uin
     constexpr typename Lanes::Row row_d;
     constexpr hn::RebindToUnsigned<typename Lanes::Row> row_u;
     static constexpr Lanes kBlock = block_lanes<kColumns>();
-    const VF x = hn::Add(hn::Load(f, kBlock.x), hn::Set(f, float(column) - kHalf));
-    const VF c0 = hn::MulAdd(d.a[0], x, d.c[0]), c1 = hn::MulAdd(d.a[1], x, d.c[1]);
-    const VF c2 = hn::MulAdd(d.a[2], x, d.c[2]), g = hn::MulAdd(d.gx, x, d.g0);
-    const VF too_near = hn::MulAdd(hn::Set(f, tile.behind_x), x, hn::Set(f, tile.behind_c));
+    const ColumnTerms<kBehind> terms(d, s, i, tile, hn::Add(hn::Load(f, kBlock.x), hn::Set(f, float(column) - kHalf)));
     bool any = false;
     for (int row = y0; row <= y1; row += Lanes::kRows) {
         const VF y = hn::Add(hn::Load(f, kBlock.y), hn::Set(f, float(row) - kHalf));
-        const VF e[3] = {hn::MulAdd(d.b[0], y, c0), hn::MulAdd(d.b[1], y, c1), hn::MulAdd(d.b[2], y, c2)};
-        const VF inverse_depth = hn::Min(hn::Max(hn::MulAdd(d.gy, y, g), d.low), d.high);
+        const VF inverse_depth = terms.inverse_depth(y);
         const int at = row * kRowStride + column;
         const VF best = load_block<kColumns>(tile.best + at);
-        MF win = hn::And(hn::Ge(min3(e[0], e[1], e[2]), hn::Zero(f)), hn::Ge(inverse_depth, best));
-        if constexpr (kBehind)
-            win = hn::And(win, hn::Lt(inverse_depth, hn::MulAdd(hn::Set(f, tile.behind_y), y, too_near)));
-        if (HWY_UNLIKELY(d.is_thin)) {
-            const VF low_x = hn::Set(f, float(s.x0[i]) - kHalf), high_x = hn::Set(f, float(s.x1[i]) - kHalf);
-            win = hn::And(win, hn::And(hn::Ge(x, low_x), hn::Le(x, high_x)));
-        }
+        const MF win = terms.covered(y, inverse_depth, best);
         // Rows beyond the last are not the tile's.
         const int lanes = (y1 - row + 1) * kColumns;
         const std::uint32_t rows_left = lanes >= kLanes ? ~0u : (1u << lanes) - 1u;
@@ -227,7 +240,7 @@ HWY_INLINE bool draw_narrow(const Drawn& d, int column, int y0, int y1, std::uin
         if (HWY_UNLIKELY(tie != 0)) bits &= ~lost_ties<kColumns>(tie, at, instance, triangle, tile);
         if (bits == 0) continue;
         if constexpr (kAlpha) {
-            see_through->add(mask_of(bits), x, y);
+            see_through->add(mask_of(bits), terms.x, y);
             continue;
         }
         any = true;
