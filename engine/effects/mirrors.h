@@ -34,6 +34,9 @@ class MirrorTest {
     MirrorKind operator()(std::uint32_t instance, std::uint32_t triangle);
     /// What of scene::kMaterialWater and scene::kMaterialMirror any triangle of the instance has.
     MirrorFlags flags_of(std::uint32_t instance);
+    /// Which pixels of a row of a tile are mirrors, by bits.
+    /// @param instance, triangle  [kTileSize]
+    std::uint16_t mirrors_of_row(const std::uint32_t* instance, const std::uint32_t* triangle);
 
   private:
     const scene::StaticScene& scene_;
@@ -41,6 +44,7 @@ class MirrorTest {
     std::uint32_t instance_ = farfield::kSkyInstance, triangle_ = 0;
     const scene::Mesh* mesh_ = nullptr;
     MirrorFlags flags_ = 0;
+    std::uint32_t plain_ = farfield::kSkyInstance;  ///< without mirrors
     MirrorKind kind_ = MirrorKind::none;
 };
 

@@ -176,7 +176,7 @@ void Panorama::State::refresh_tile(std::uint32_t tile) {
     const int x0 = int(tile % side) * kTileSize, y0 = int(tile / side) * kTileSize;
     TexelTile out{.record = map.records[map.index(x0, y0)],
                   .complete = true,
-                  .is_marked = map.tiles[tile].is_marked,
+                  .any_marked = map.tiles[tile].any_marked,
                   .nearest_m = std::numeric_limits<float>::infinity()};
     for (int j = 0; j < kTileSize; ++j) {
         const std::size_t row = map.index(x0, y0 + j);

@@ -84,9 +84,8 @@ struct PanoramaStats {
 /// Whose instance and triangle a lookup writes.
 enum class PanoramaNames {
     all,
-    marked,  ///< in tiles that look at marked texels or are asked for by PanoramaTarget::named, with their depths; all
-             ///< others see kSkyInstance
-    none,    ///< as they were
+    marked,  ///< of pixels that look at marked texels and of all in PanoramaTarget::whole, with their depths
+    none,
 };
 
 /// Where a panorama's pixels go. All arrays are laid out as the VisibilityBuffer is.
@@ -96,9 +95,8 @@ struct PanoramaTarget {
     int color_stride = 0;                    ///< pixels a row, whole tiles
     bool depths = true;                      ///< of all reused pixels
     PanoramaNames names = PanoramaNames::all;
-    /// Optional, by tile of the view, row by row. On entry not 0 where names and depths are wanted, marked or not; a
-    /// lookup leaves it so where it wrote names.
-    std::span<std::uint8_t> named;
+    std::span<const std::uint8_t> whole = {};  ///< optional, by tile of the view: not 0 where all names are wanted
+    PixelMask* named = nullptr;  ///< optional, of the view's size: set to the pixels whose names were written
 };
 
 class Panorama {
@@ -145,9 +143,8 @@ class Panorama {
     [[nodiscard]] VisibilityBuffer& map();
     /// Enters the texels that were cast into map() and shaded.
     /// @param colors  face_size x 6 face_size texels, `stride` a row
-    /// @param marks   optional: per request of the face, whether its tile is marked (PanoramaNames); else all are
-    void commit_fill(int face, std::span<const std::uint32_t> colors, int stride,
-                     std::span<const std::uint8_t> marks = {});
+    /// @param marks   optional: per request of the face, which texels of its tile are marked (PanoramaNames); else all
+    void commit_fill(int face, std::span<const std::uint32_t> colors, int stride, std::span<const TileMask> marks = {});
 
     /// Answers the wanted pixels from the map as far as it can.
     /// @param wanted   as for plan_fill
@@ -190,7 +187,7 @@ class Panorama {
 
     /// Forgets the texels whose ray meets the box before or where it ends: call it with the old and the new box of
     /// whatever changed.
-    /// @param marked  all texels of marked tiles, too: mirrors may show the box wherever it is
+    /// @param marked  all marked texels, too: mirrors may show the box wherever it is
     /// @return texels forgotten
     std::uint64_t invalidate(const DBox3& box, bool marked = false);
 

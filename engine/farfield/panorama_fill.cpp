@@ -161,32 +161,34 @@ bool Panorama::plan_refresh(std::uint64_t texels, std::uint32_t& next) {
 }
 
 void Panorama::commit_fill(int face, std::span<const std::uint32_t> colors, int stride,
-                           std::span<const std::uint8_t> marks) {
+                           std::span<const TileMask> marks) {
     State& s = *state_;
     const std::span<const TileRequest> requests = s.requests[std::size_t(face)];
     const auto side = std::uint32_t(s.map.tiles_side);
     FF_CHECK(requests.empty() || colors.size() >= std::size_t(stride) * std::size_t(6 * s.map.size),
              "colours of {} texels for a map of {} rows of {}", colors.size(), 6 * s.map.size, stride);
+    FF_CHECK(marks.empty() || marks.size() == requests.size(), "{} marks for {} tiles", marks.size(), requests.size());
     parallel_ranges(requests.size(), 8, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
             const TileRequest& request = requests[i];
             for (int j = 0; j < kTileSize; ++j) {
+                const std::uint32_t marked = marks.empty() ? 0xFFFFu : marks[i].rows[j];
                 const std::size_t to = s.map.index(request.x, request.y + j);
                 const std::size_t from = std::size_t(request.y + j) * std::size_t(stride) + request.x;
                 for (std::uint32_t bits = request.rows[j]; bits != 0; bits &= bits - 1) {
                     const auto bit = std::size_t(std::countr_zero(bits));
-                    s.map.colors[to + bit] = colors[from + bit];
+                    const std::uint32_t alpha = (marked >> bit & 1u) * (kTexelMarked << 24);
+                    s.map.colors[to + bit] = (colors[from + bit] & 0x00FFFFFFu) | alpha;
                     s.map.records[to + bit] = s.record;
                 }
             }
         }
     });
-    FF_CHECK(marks.empty() || marks.size() == requests.size(), "{} marks for {} tiles", marks.size(), requests.size());
     s.changed.clear();
     for (std::size_t i = 0; i < requests.size(); ++i) {
         const std::uint32_t tile =
             requests[i].y / std::uint32_t(kTileSize) * side + requests[i].x / std::uint32_t(kTileSize);
-        s.map.tiles[tile].is_marked = marks.empty() || marks[i] != 0;
+        s.map.tiles[tile].any_marked = marks.empty() || marks[i].count() != 0;
         s.changed.push_back(tile);
     }
     s.refresh_changed();

@@ -30,26 +30,32 @@ struct TileSamples {
 /// What of a tile's visibility is written.
 struct Wanted {
     bool depths, names;
-    bool blanks;  ///< kSkyInstance instead of names
+    bool marked;  ///< names and depths of marked pixels
 };
 
-inline Wanted wanted_of(const PanoramaTarget& target, const TileRequest& tile, bool is_marked) {
+/// @param any_marked  of the texels that the tile looks at
+inline Wanted wanted_of(const PanoramaTarget& target, const TileRequest& tile, bool any_marked) {
     if (target.visibility == nullptr) return {};
-    std::uint8_t* named = nullptr;
-    if (!target.named.empty()) {
-        const auto columns = std::size_t(target.visibility->stride / kTileSize);
-        named = &target.named[std::size_t(tile.y / kTileSize) * columns + std::size_t(tile.x / kTileSize)];
-        is_marked |= *named != 0;
-    }
     const bool by_mark = target.names == PanoramaNames::marked;
-    const bool names = target.names == PanoramaNames::all || (by_mark && is_marked);
-    if (named != nullptr) *named = std::uint8_t(names);
-    return {.depths = target.depths || (by_mark && is_marked), .names = names, .blanks = by_mark && !is_marked};
+    bool whole = false;
+    if (by_mark && !target.whole.empty()) {
+        const auto columns = std::size_t(target.visibility->stride / kTileSize);
+        whole = target.whole[std::size_t(tile.y / kTileSize) * columns + std::size_t(tile.x / kTileSize)] != 0;
+    }
+    return {.depths = target.depths || whole,
+            .names = target.names == PanoramaNames::all || whole,
+            .marked = by_mark && any_marked && !whole};
 }
 
 /// Copies texels to where vectors can load them. Plain loads on purpose, outside of the vector targets: pairs of
 /// texels come in one load each, and gather instructions take three times as long on AMD's Zen 3.
 void fetch(const LookupJob& job, const TileRequest& tile, const Wanted& wanted, bool check, TileSamples& samples);
+
+/// Writes names and depths of some pixels of a row. Few are marked, so one by one.
+/// @param bits  the pixels
+/// @param record  of all texels, or kMixedRecords
+void name(const LookupJob& job, const TileRequest& tile, int row, std::uint32_t bits, std::uint32_t record,
+          const TileSamples& samples);
 
 }  // namespace ff::farfield::panorama
 #endif
@@ -211,10 +217,12 @@ void resolve(const LookupJob& job, const TileRequest& tile, const Wanted& visibi
     const PinholeView& view = *job.view;
     const VI lane = hn::Iota(di, 0);
     const auto is = [&](VI state, std::uint32_t value) { return hn::Eq(state, hn::Set(di, int(value))); };
+    const VU mark = hn::Set(du, kTexelMarked << 24);
+    TileMask* const named = job.target.named == nullptr ? nullptr : &job.target.named->tile_of(tile);
     auto all_still = hn::Eq(lane, lane);
     std::uint32_t any = 0;
     for (int j = 0; j < kTileSize; ++j) {
-        std::uint32_t edge = 0, noise = 0, worse = 0;
+        std::uint32_t edge = 0, noise = 0, worse = 0, marked = 0;
         out.edge[std::size_t(j)] = out.noise[std::size_t(j)] = out.worse[std::size_t(j)] = 0;
         if (tile.rows[j] == 0) continue;
         const int y = int(tile.y) + j;
@@ -228,13 +236,17 @@ void resolve(const LookupJob& job, const TileRequest& tile, const Wanted& visibi
             VU c00, c01, c10, c11;
             hn::LoadInterleaved2(du, in.upper_colors + 2 * pixel, c00, c01);
             hn::LoadInterleaved2(du, in.lower_colors + 2 * pixel, c10, c11);
-            const VI quad = hn::BitCast(di, hn::ShiftRight<24>(c00));
+            const VI quad = hn::BitCast(di, hn::And(hn::ShiftRight<24>(c00), hn::Set(du, kQuadStates)));
+            const auto right_nearer = hn::Gt(wx, hn::Set(di, 8)), lower_nearer = hn::Gt(wy, hn::Set(di, 8));
+            const auto nearest_of = [&](auto d, auto v00, auto v01, auto v10, auto v11) {
+                const auto right = hn::RebindMask(d, right_nearer), lower = hn::RebindMask(d, lower_nearer);
+                return hn::IfThenElse(lower, hn::IfThenElse(right, v11, v10), hn::IfThenElse(right, v01, v00));
+            };
             VU color = mix_quad(c00, c01, c10, c11, hn::BitCast(du, wx), hn::BitCast(du, wy));
             const VF inverse = hn::Load(df, in.inverse_axis + pixel);
 
             VF moved_z = hn::Set(df, job.moved_z[record]);
             if constexpr (kCheck) {
-                const auto right_nearer = hn::Gt(wx, hn::Set(di, 8)), lower_nearer = hn::Gt(wy, hn::Set(di, 8));
                 const VI upper = hn::Load(di, in.upper_records + pixel), lower = hn::Load(di, in.lower_records + pixel);
                 const VI low_half = hn::Set(di, 0xFFFF);
                 const VI pair = hn::IfThenElse(lower_nearer, lower, upper);
@@ -242,16 +254,13 @@ void resolve(const LookupJob& job, const TileRequest& tile, const Wanted& visibi
                 const auto same = hn::And(hn::Eq(upper, lower), hn::Eq(hn::And(upper, low_half),
                                                                        hn::And(hn::ShiftRight<16>(upper), low_half)));
                 const auto use_quad = hn::And(same, hn::Gt(quad, hn::Set(di, int(kQuadHoles))));
-                const auto right_u = hn::RebindMask(du, right_nearer), lower_u = hn::RebindMask(du, lower_nearer);
-                const VU nearest =
-                    hn::IfThenElse(lower_u, hn::IfThenElse(right_u, c11, c10), hn::IfThenElse(right_u, c01, c00));
+                const VU nearest = nearest_of(du, c00, c01, c10, c11);
                 color = hn::IfThenElse(hn::RebindMask(du, use_quad), color, hn::Or(nearest, hn::Set(du, 0xFF000000u)));
 
                 VF t00, t01, t10, t11;
                 hn::LoadInterleaved2(df, in.upper_depths + 2 * pixel, t00, t01);
                 hn::LoadInterleaved2(df, in.lower_depths + 2 * pixel, t10, t11);
-                const auto rn = hn::RebindMask(df, right_nearer), ln = hn::RebindMask(df, lower_nearer);
-                const VF nearest_t = hn::IfThenElse(ln, hn::IfThenElse(rn, t11, t10), hn::IfThenElse(rn, t01, t00));
+                const VF nearest_t = nearest_of(df, t00, t01, t10, t11);
                 const VF least_t = hn::Min(hn::Min(t00, t01), hn::Min(t10, t11));
                 const VF t = hn::IfThenElse(hn::RebindMask(df, use_quad), least_t, nearest_t);
 
@@ -311,10 +320,14 @@ void resolve(const LookupJob& job, const TileRequest& tile, const Wanted& visibi
             if (visibility.names) {
                 put(du, hn::Load(du, in.instances + pixel), target.instance.data() + to);
                 put(du, hn::Load(du, in.triangles + pixel), target.triangle.data() + to);
-            } else if (visibility.blanks) {
-                put(du, hn::Set(du, kSkyInstance), target.instance.data() + to);
+            }
+            if (visibility.marked) {
+                const VU is_marked = hn::And(nearest_of(du, c00, c01, c10, c11), mark);
+                marked |= bits_of(hn::AndNot(is(hn::BitCast(di, is_marked), 0), wanted)) << i;
             }
         }
+        if (marked != 0) name(job, tile, j, marked, kCheck ? kMixedRecords : record, in);
+        if (named != nullptr) named->rows[j] = std::uint16_t(visibility.names ? tile.rows[j] : marked);
         out.edge[std::size_t(j)] = std::uint16_t(edge);
         out.noise[std::size_t(j)] = std::uint16_t(noise);
         out.worse[std::size_t(j)] = std::uint16_t(worse);
@@ -351,9 +364,9 @@ void LookupTile(const LookupJob& job, const TileRequest& tile, const TileFootpri
             const TexelTile& other = map.tiles[std::size_t(ty * side + tx)];
             texels.complete &= other.complete && other.record == texels.record;
             texels.nearest_m = std::min(texels.nearest_m, other.nearest_m);
-            texels.is_marked |= other.is_marked;
+            texels.any_marked |= other.any_marked;
         }
-    const Wanted wanted = wanted_of(job.target, tile, texels.is_marked);
+    const Wanted wanted = wanted_of(job.target, tile, texels.any_marked);
     const bool good = is_tile_good(job, texels);
     project<true>(job, tile, footprint.face, samples);
     fetch(job, tile, wanted, !good, samples);
@@ -440,7 +453,8 @@ void UpdateQuads(PanoramaMap& map, int tile_x, int tile_row, const TexelBox& box
                 hn::IfThenElse(hn::AndNot(strong, two), hn::Set(du, kQuadEdge << 24), hn::Set(du, kQuadNoise << 24));
             const VU agreeing =
                 hn::IfThenElse(hn::Or(strong, hn::AndNot(same, visible)), differing, hn::Set(du, kQuadSmooth << 24));
-            hn::StoreU(hn::Or(hn::And(c00, rgb), hn::IfThenElseZero(complete, agreeing)), du, colors);
+            const auto kept = hn::Set(du, 0x00FFFFFFu | kTexelMarked << 24);
+            hn::StoreU(hn::Or(hn::And(c00, kept), hn::IfThenElseZero(complete, agreeing)), du, colors);
         }
     }
 }
@@ -486,6 +500,22 @@ void fetch(const LookupJob& job, const TileRequest& tile, const Wanted& wanted, 
             samples.instances[p] = map.visibility.instance[at];
             samples.triangles[p] = map.visibility.triangle[at];
         }
+    }
+}
+
+void name(const LookupJob& job, const TileRequest& tile, int row, std::uint32_t bits, std::uint32_t record,
+          const TileSamples& samples) {
+    const PanoramaMap& map = *job.map;
+    VisibilityBuffer& target = *job.target.visibility;
+    const std::size_t first = target.index(tile.x, tile.y + row);
+    for (; bits != 0; bits &= bits - 1) {
+        const auto i = std::size_t(std::countr_zero(bits));
+        const std::size_t pixel = std::size_t(row) * kTileSize + i;
+        const auto at = std::size_t(samples.nearest[pixel]);
+        target.instance[first + i] = map.visibility.instance[at];
+        target.triangle[first + i] = map.visibility.triangle[at];
+        const float moved_z = job.moved_z[record != kMixedRecords ? record : map.records[at]];
+        target.depth[first + i] = map.visibility.depth[at] * samples.inverse_axis[pixel] + moved_z;
     }
 }
 

@@ -43,8 +43,7 @@ void Panorama::known_colors(const VisibilityBuffer& visibility, std::uint32_t* c
         for (std::size_t t = begin; t < end; ++t) {
             const panorama::TileClasses& known = s.classes[t];
             const int x = s.edges[t].x, y = s.edges[t].y;
-            TileMask& mask =
-                asked.tiles[std::size_t(y / kTileSize) * std::size_t(asked.tiles_x) + std::size_t(x / kTileSize)];
+            TileMask& mask = asked.tile_of(s.edges[t]);
             if (!known.any || mask.count() == 0) continue;
             const std::int32_t* quad = known.quads.data();
             for (int j = 0; j < kTileSize; ++j)
@@ -52,8 +51,8 @@ void Panorama::known_colors(const VisibilityBuffer& visibility, std::uint32_t* c
                     const int i = std::countr_zero(bits);
                     if (((mask.rows[j] >> i) & 1) == 0) continue;
                     const std::size_t at = visibility.index(x + i, y + j);
-                    const std::uint32_t color = mean_of_same(s.map, texels_of(*quad, s.map.size),
-                                                             {visibility.instance[at], visibility.triangle[at]});
+                    const std::uint32_t color =
+                        mean_of_same(s.map, *quad, {visibility.instance[at], visibility.triangle[at]}).color;
                     if (color == 0) continue;
                     colors[std::size_t(y + j) * std::size_t(color_stride) + std::size_t(x + i)] = color;
                     mask.rows[j] = std::uint16_t(mask.rows[j] & ~(1u << i));

@@ -109,6 +109,7 @@ PanoramaStats Panorama::lookup(const PinholeView& view, std::span<const TileRequ
     FF_CHECK(target.colors != nullptr, "a lookup without a place for its colours");
     panorama::LookupJob job = s.job(view, limits);
     job.target = target;
+    if (target.named != nullptr) target.named->reset(view.width, view.height);
     if (s.classes.size() < wanted.size()) s.classes.resize(wanted.size());
     if (s.at_threshold.size() < wanted.size()) s.at_threshold.resize(wanted.size());
     if (s.edge_tiles.capacity() < wanted.size()) s.edge_tiles.reserve(wanted.size());

@@ -16,12 +16,14 @@ inline constexpr int kSweepSteps = 512;           ///< records made while the wh
 inline constexpr std::uint16_t kNeverTraced = 0;  ///< P0's lowest-confidence record
 inline constexpr std::uint16_t kMixedRecords = 0xFFFFu;
 
-/// State of the 2 x 2 texels right of and below a texel, in the alpha byte of its colour.
+/// The alpha byte of a texel's colour: the state of the 2 x 2 texels right of and below it, and whether it is marked.
 inline constexpr std::uint32_t kQuadHoles = 0;  ///< not all four were ever cast
 inline constexpr std::uint32_t kQuadNoise =
     64;  ///< more than two things in different colours, or strong contrast nearby
 inline constexpr std::uint32_t kQuadEdge = 128;  ///< two things in different colours
-inline constexpr std::uint32_t kQuadSmooth = 255;
+inline constexpr std::uint32_t kQuadSmooth = 192;
+inline constexpr std::uint32_t kQuadStates = 192;
+inline constexpr std::uint32_t kTexelMarked = 1;
 
 /// P0 Figure 6.
 struct ConfidenceRecord {
@@ -33,7 +35,7 @@ struct ConfidenceRecord {
 struct TexelTile {
     std::uint16_t record = kNeverTraced;  ///< of all texels, or kMixedRecords
     bool complete = false;                ///< every texel was cast
-    bool is_marked = false;               ///< lookups for PanoramaNames::marked write what it shows
+    bool any_marked = false;              ///< of its texels
     float nearest_m = 0;                  ///< least depth of any texel along the face's axis
 };
 
@@ -44,7 +46,7 @@ struct PanoramaMap {
     float extent = 1;    ///< tangent of a face's half angle: a bit over 1, so that no lookup needs two faces at once
     // Only the pages of texels that were cast are ever touched: all zero is "never cast".
     VisibilityBuffer visibility;            // 75 MiB at 1024; the depth is along the face's axis
-    ZeroPageVector<std::uint32_t> colors;   // 25 MiB at 1024; alpha is the state of the texel's quad
+    ZeroPageVector<std::uint32_t> colors;   // 25 MiB at 1024; alpha: see above
     ZeroPageVector<std::uint16_t> records;  // 12 MiB at 1024
     ZeroPageVector<std::uint8_t> light;     // 6 MiB at 1024; empty until somebody asks for it
     std::vector<TexelTile> tiles;           ///< row-major, tiles_side a row, faces below each other

@@ -47,7 +47,9 @@ void Panorama::store(const PinholeView& view, std::span<const TileRequest> tiles
                         s.map.visibility.instance[to] = visibility.instance[from];
                         s.map.visibility.triangle[to] = visibility.triangle[from];
                         s.map.visibility.depth[to] = visibility.depth[from] * axis;
-                        s.map.colors[to] = colors[std::size_t(y) * std::size_t(color_stride) + std::size_t(x)];
+                        s.map.colors[to] =
+                            (colors[std::size_t(y) * std::size_t(color_stride) + std::size_t(x)] & 0x00FFFFFFu) |
+                            kTexelMarked << 24;
                         s.map.records[to] = s.record;
                         if (lit != nullptr) texel_light[to] = lit[from];
                     }
@@ -70,7 +72,7 @@ void Panorama::store(const PinholeView& view, std::span<const TileRequest> tiles
                 s.mark(std::uint32_t(ty / kTileSize) * side + std::uint32_t(tx / kTileSize), s.changed);
             }
     }
-    for (const std::uint32_t tile : s.changed) s.map.tiles[tile].is_marked = true;
+    for (const std::uint32_t tile : s.changed) s.map.tiles[tile].any_marked = true;
     s.refresh_changed();
 }
 
@@ -93,8 +95,8 @@ std::uint64_t Panorama::invalidate(const DBox3& box, bool marked) {
             if (texels.record == kNeverTraced) continue;
             const int x0 = int(tile % side) * kTileSize, y0 = int(tile / side) * kTileSize;
             const PinholeView& face = faces[std::size_t(y0 / s.map.size)];
-            const bool forget_all = marked && texels.is_marked;
-            if (!forget_all && texels.record != kMixedRecords) {
+            const bool forget_marked = marked && texels.any_marked;
+            if (!forget_marked && texels.record != kMixedRecords) {
                 // The box's ball against the tile's cone.
                 const DVec3 to = center - s.records[texels.record].position;
                 const double distance = glm::length(to);
@@ -112,7 +114,8 @@ std::uint64_t Panorama::invalidate(const DBox3& box, bool marked) {
                     std::uint16_t& record = s.map.records[at];
                     if (record == kNeverTraced) continue;
                     const double depth = std::min(double(s.map.visibility.depth[at]), 1e9);
-                    if (!forget_all &&
+                    const bool forget = forget_marked && (s.map.colors[at] >> 24 & kTexelMarked) != 0;
+                    if (!forget &&
                         !meets_segment(box, s.records[record].position, depth * texel_direction(face, x0 + i, y0 + j)))
                         continue;
                     record = kNeverTraced;

@@ -61,12 +61,11 @@ void prefetch_pixels(const TileRequest& tile, VisibilityBuffer& out) {
 /// Every near thing around was looked past: what is left is the farthest.
 void show_farthest(const PanoramaMap& map, const TileRequest& tile, const TileRequest& missed,
                    std::span<const std::int32_t> quads, const PanoramaTarget& target) {
-    const std::int32_t* quad = quads.data();
-    for (int j = 0; j < kTileSize; ++j)
-        for (std::uint32_t bits = tile.rows[j]; bits != 0; bits &= bits - 1, ++quad) {
+    const std::int32_t* row_quads = quads.data();
+    for (int j = 0; j < kTileSize; row_quads += std::popcount(tile.rows[j]), ++j)
+        for (std::uint32_t bits = missed.rows[j]; bits != 0; bits &= bits - 1) {
             const int i = std::countr_zero(bits);
-            if (((missed.rows[j] >> i) & 1) == 0) continue;
-            const auto texels = texels_of(*quad, map.size);
+            const auto texels = texels_of(row_quads[std::popcount(tile.rows[j] & ((1u << i) - 1u))], map.size);
             std::size_t farthest = texels[0];
             for (const std::size_t at : texels)
                 if (map.visibility.depth[at] > map.visibility.depth[farthest]) farthest = at;
@@ -76,9 +75,11 @@ void show_farthest(const PanoramaMap& map, const TileRequest& tile, const TileRe
 }
 
 /// Pixels have the colour of the texels that show what their rays met: it was shaded less than a texel away.
+/// @param marked  optional: those of marked texels are added
 /// @return pixels whose texels do not, to be shaded
 TileRequest show_same(const PanoramaMap& map, const TileRequest& tile, const TileRequest& missed,
-                      std::span<const std::int32_t> quads, const VisibilityBuffer& met, const PanoramaTarget& target) {
+                      std::span<const std::int32_t> quads, const VisibilityBuffer& met, const PanoramaTarget& target,
+                      TileMask* marked) {
     TileRequest left{tile.x, tile.y, {}};
     const std::int32_t* quad = quads.data();
     for (int j = 0; j < kTileSize; ++j)
@@ -86,8 +87,8 @@ TileRequest show_same(const PanoramaMap& map, const TileRequest& tile, const Til
             const int i = std::countr_zero(bits);
             if (((missed.rows[j] >> i) & 1) != 0) continue;
             const std::size_t pixel = met.index(tile.x + i, tile.y + j);
-            const std::uint32_t color =
-                mean_of_same(map, texels_of(*quad, map.size), {met.instance[pixel], met.triangle[pixel]});
+            const auto [color, is_marked] = mean_of_same(map, *quad, {met.instance[pixel], met.triangle[pixel]});
+            if (marked != nullptr) marked->rows[j] = std::uint16_t(marked->rows[j] | unsigned(is_marked) << i);
             if (color == 0)
                 left.rows[j] = std::uint16_t(left.rows[j] | 1u << i);
             else
@@ -144,9 +145,9 @@ void Panorama::verify_edges(const scene::StaticScene& scene, const PinholeView& 
                 TileRequest missed;
                 cast_known_tile(scene, beam_view, tile, triangles, out, missed);
                 show_farthest(s.map, tile, missed, quads_of(t), target);
-                TileMask& mask = left.tiles[std::size_t(tile.y / kTileSize) * std::size_t(left.tiles_x) +
-                                            std::size_t(tile.x / kTileSize)];
-                const TileRequest unknown = show_same(s.map, tile, missed, quads_of(t), out, target);
+                TileMask& mask = left.tile_of(tile);
+                TileMask* const marked = target.named != nullptr ? &target.named->tile_of(tile) : nullptr;
+                const TileRequest unknown = show_same(s.map, tile, missed, quads_of(t), out, target, marked);
                 for (int j = 0; j < kTileSize; ++j) mask.rows[j] = std::uint16_t(mask.rows[j] | unknown.rows[j]);
             }
         }

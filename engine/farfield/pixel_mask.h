@@ -44,6 +44,9 @@ struct PixelMask {
         TileMask& tile = tiles[std::size_t(y / kTileSize) * std::size_t(tiles_x) + std::size_t(x / kTileSize)];
         tile.rows[y % kTileSize] = std::uint16_t(tile.rows[y % kTileSize] | (1u << (x % kTileSize)));
     }
+    [[nodiscard]] TileMask& tile_of(const TileRequest& request) {
+        return tiles[std::size_t(request.y / kTileSize) * std::size_t(tiles_x) + std::size_t(request.x / kTileSize)];
+    }
     [[nodiscard]] std::uint64_t count() const {
         std::uint64_t bits = 0;
         for (const TileMask& tile : tiles) bits += std::uint64_t(tile.count());

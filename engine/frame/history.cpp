@@ -7,7 +7,7 @@ void FrameHistory::reset(int width, int height) {
     outlook = {};
     horizon.invalidate();
     for (farfield::PixelMask* mask :
-         {&sources.near_field, &sources.sky, &sources.panorama, &sources.cast, &sources.dynamic})
+         {&sources.near_field, &sources.sky, &sources.panorama, &sources.cast, &sources.dynamic, &named})
         mask->reset(width, height);
     visibility.width = 0;  // whatever its size was: nothing in it counts any more
     fit(width, height);

@@ -69,14 +69,14 @@ struct FrameHistory {
     farfield::OpacityRaster opacity;
     visibility::VisibleSet visible;  ///< scratch: what the near field may see
     farfield::VisibilityBuffer visibility;
-    std::unique_ptr<farfield::Panorama> panorama;  ///< made when a plan first asks for it
-    shading::Image panorama_colors;                ///< where its texels are shaded
-    std::vector<std::uint8_t> panorama_marks;      ///< per tile of texels that were: whether it shows mirrors
-    bool panorama_is_full = false;                 ///< it held all that the last frame saw, and the viewer stood
-    PanoramaLook panorama_look;                    ///< of its texels
-    PanoramaLight panorama_light;                  ///< likewise
-    shading::LayerScratch layers;                  ///< scratch: transparent layers on their way into the image
-    shading::Image reduced;                        ///< a frame that is drawn smaller than it is shown
+    std::unique_ptr<farfield::Panorama> panorama;    ///< made when a plan first asks for it
+    shading::Image panorama_colors;                  ///< where its texels are shaded
+    std::vector<farfield::TileMask> panorama_marks;  ///< per tile of texels that were: which show mirrors
+    bool panorama_is_full = false;                   ///< it held all that the last frame saw, and the viewer stood
+    PanoramaLook panorama_look;                      ///< of its texels
+    PanoramaLight panorama_light;                    ///< likewise
+    shading::LayerScratch layers;                    ///< scratch: transparent layers on their way into the image
+    shading::Image reduced;                          ///< a frame that is drawn smaller than it is shown
     shading::Upscaler upscaler;
     std::unique_ptr<farfield::Reprojection> reprojection;  ///< made when a plan first asks for it
     std::unique_ptr<SunLight> sun;                         ///< likewise
@@ -95,8 +95,8 @@ struct FrameHistory {
     std::vector<farfield::MovingSphere> moving;    ///< scratch: balls round what moves
     farfield::MovingShadows moving_shadows;        ///< scratch: of that
     MovingTiles moving_tiles;                      ///< scratch: likewise, that a panorama is asked for
-    std::vector<std::uint8_t> named_tiles;         ///< scratch: by tile, whether either may show there, then whether
-                                                   ///< the panorama told what its pixels see
+    std::vector<std::uint8_t> tiles_of_moving;     ///< scratch: by tile, whether either may show there
+    farfield::PixelMask named;                     ///< scratch: pixels of which the panorama told what they see
     std::vector<farfield::MovingSphere> mirrored;  ///< scratch: those that mirrors may show
     std::vector<farfield::TileRequest> all_tiles;
     bool can_rasterise = false;  ///< there is OpenGL to draw a near field with

@@ -1,5 +1,7 @@
 #include "engine/frame/restless_mirrors.h"
 
+#include <hwy/highway.h>
+
 #include <array>
 #include <bit>
 
@@ -16,18 +18,42 @@ enum class Rest : std::uint8_t { no_mirror, at_rest, restless };
 
 /// Pixels of a row of a tile, by bits.
 using Row = unsigned;
+constexpr Row kWholeRow = (1u << kTileSize) - 1u;
 
-/// Where in a row a pixel sees another triangle than the one to its left. No branch and no search: a row is a few
-/// vectors.
-Row starts_of_runs(const std::uint32_t* instance, const std::uint32_t* triangle) {
-    constexpr Row kBit[kTileSize] = {1u << 0, 1u << 1, 1u << 2,  1u << 3,  1u << 4,  1u << 5,  1u << 6,  1u << 7,
-                                     1u << 8, 1u << 9, 1u << 10, 1u << 11, 1u << 12, 1u << 13, 1u << 14, 1u << 15};
-    Row starts = 1u;
-    for (int i = 1; i < kTileSize; ++i) {
-        const std::uint32_t differs = (instance[i] ^ instance[i - 1]) | (triangle[i] ^ triangle[i - 1]);
-        starts |= differs != 0 ? kBit[i] : 0u;
+// No branch and no search: a row is a few vectors.
+namespace hn = hwy::HWY_NAMESPACE;
+constexpr hn::FixedTag<std::uint32_t, 4> kFourNames;
+constexpr hn::FixedTag<float, 4> kFourDepths;
+
+/// A row of bits from a function that gives the mask of four pixels from the i-th on.
+template <class D, class FourOf>
+Row row_of(D d, FourOf&& four_of) {
+    Row row = 0;
+    for (int i = 0; i < kTileSize; i += 4) {
+        std::uint8_t bits[8];
+        hn::StoreMaskBits(d, four_of(i), bits);
+        row |= Row(bits[0]) << i;
     }
-    return starts;
+    return row;
+}
+
+/// Where in a row a pixel sees another triangle than the one so many before it; of the row's first pixel, where that is
+/// one, anything.
+Row differs_from(const std::uint32_t* instance, const std::uint32_t* triangle, std::ptrdiff_t before) {
+    const auto same = [&](const std::uint32_t* row, int i) {
+        const auto names = hn::LoadU(kFourNames, row + i);
+        // Nothing lies before the first pixel of all.
+        const auto others =
+            i == 0 && before == 1 ? hn::ShiftLeftLanes<1>(kFourNames, names) : hn::LoadU(kFourNames, row + i - before);
+        return hn::Eq(names, others);
+    };
+    return ~row_of(kFourNames, [&](int i) { return hn::And(same(instance, i), same(triangle, i)); }) & kWholeRow;
+}
+
+/// What of a row lies nearer than a depth.
+Row nearer(const float* depth, float within_m) {
+    const auto within = hn::Set(kFourDepths, within_m);
+    return row_of(kFourDepths, [&](int i) { return hn::Lt(hn::LoadU(kFourDepths, depth + i), within); });
 }
 
 /// Asks about the pixels of one tile after the other.
@@ -50,13 +76,35 @@ class RestTest {
         ++tile_;
     }
 
+    /// Whether any of the pixels asked for of the tile may be restless: each patch that sees one triangle is asked
+    /// about once, not each of its rows.
+    bool any_restless(int x, int y, const farfield::TileMask& asked) {
+        Row above = 0;
+        for (int row = 0; row < kTileSize; ++row) {
+            const Row bits = asked.rows[row];
+            const std::size_t first = seen_.index(x, y + row);
+            if (bits != 0) {
+                const std::uint32_t* const instance = seen_.instance.data() + first;
+                const std::uint32_t* const triangle = seen_.triangle.data() + first;
+                Row starts = bits & (differs_from(instance, triangle, 1) | ~(bits << 1));
+                if (above != 0) starts &= differs_from(instance, triangle, seen_.stride) | ~above;
+                for (; starts != 0; starts &= starts - 1) {
+                    const Facet& facet = rested_facet_of(first + std::size_t(std::countr_zero(starts)));
+                    if (facet.kind == effects::MirrorKind::water || facet.rest == Rest::restless) return true;
+                }
+            }
+            above = bits;
+        }
+        return false;
+    }
+
     /// Of pixels in a row of the tile, those of which keeps(Rest) is true.
     /// @param first  of the row, in the visibility buffer
     template <class Keeps>
     Row kept(std::size_t first, Row asked, Keeps&& keeps) {
         const std::uint32_t* const instance = seen_.instance.data() + first;
         if (skips(instance)) return keeps(Rest::no_mirror) ? asked : 0u;
-        const Row starts = starts_of_runs(instance, seen_.triangle.data() + first);
+        const Row starts = differs_from(instance, seen_.triangle.data() + first, 1) | 1u;
         Row kept = 0;
         for (Row left = asked; left != 0;) {
             // What follows in the run of the first that is left.
@@ -92,29 +140,29 @@ class RestTest {
 
     template <class Keeps>
     Row kept_of_run(std::size_t first, Row run, Keeps&& keeps) {
-        const std::size_t at = first + std::size_t(std::countr_zero(run));
-        Facet& facet = facet_of(seen_.instance[at], seen_.triangle[at]);
+        const Facet& facet = rested_facet_of(first + std::size_t(std::countr_zero(run)));
         if (facet.kind == effects::MirrorKind::none) return keeps(Rest::no_mirror) ? run : 0u;
         const bool is_water = facet.kind == effects::MirrorKind::water;
         const float within_m = is_water ? waves_within_m_ : within_m_;
-        if (facet.tile != tile_) {
-            facet.tile = tile_;
-            facet.rest = rest_of(facet);
-        }
         // Near water has waves, which move; far glass mirrors nothing.
         const Rest near = is_water ? Rest::restless : facet.rest, far = is_water ? facet.rest : Rest::no_mirror;
         const bool keeps_near = keeps(near), keeps_far = keeps(far);
         if (keeps_near == keeps_far) return keeps_near ? run : 0u;
-        Row kept = 0;
-        for (Row left = run; left != 0; left &= left - 1) {
-            const bool is_near = seen_.depth[first + std::size_t(std::countr_zero(left))] < within_m;
-            if (is_near ? keeps_near : keeps_far) kept |= left & -left;
-        }
-        return kept;
+        const Row near_pixels = nearer(seen_.depth.data() + first, within_m);
+        return run & (keeps_near ? near_pixels : ~near_pixels);
+    }
+
+    /// What a pixel sees, and whether that is at rest in this tile.
+    const Facet& rested_facet_of(std::size_t at) {
+        Facet& facet = facet_of(seen_.instance[at], seen_.triangle[at]);
+        if (facet.tile == tile_) return facet;
+        facet.tile = tile_;
+        facet.rest = facet.kind == effects::MirrorKind::none ? Rest::no_mirror : rest_of(facet);
+        return facet;
     }
 
     Facet& facet_of(std::uint32_t instance, std::uint32_t triangle) {
-        Facet& facet = facets_[(instance * 7 + triangle) % facets_.size()];
+        Facet& facet = facets_[(instance * 37 + triangle) % facets_.size()];
         if (facet.instance == instance && facet.triangle == triangle) return facet;
         facet.instance = instance;
         facet.triangle = triangle;
@@ -149,25 +197,35 @@ class RestTest {
     unsigned tile_ = 0;
     bool is_begun_ = false;                         ///< few tiles have any mirror
     std::uint32_t plain_ = farfield::kSkyInstance;  ///< without mirrors
-    std::array<Facet, 64> facets_;                  ///< panes come back row by row, and in the next tile
+    std::array<Facet, 128> facets_;                 ///< panes come back row by row, and in the next tile
 };
 
 /// Leaves those pixels of a mask of which keeps(Rest) is true.
-/// @param has_names  by tile: 0 where all are kept; empty: any tile may have some that are not
+/// @param named  optional: those that may show a mirror; else all may
 template <class Keeps>
 void keep(const FramePlan& plan, const scene::StaticScene& scene, const FrameHistory& history,
-          std::span<const std::uint8_t> has_names, farfield::PixelMask& mask, Keeps&& keeps) {
+          const farfield::PixelMask* named, farfield::PixelMask& mask, Keeps&& keeps) {
     constexpr std::size_t kTilesPerTask = 64;
     parallel_ranges(mask.tiles.size(), kTilesPerTask, [&](std::size_t begin, std::size_t end) {
         RestTest rest(plan, scene, history);
         for (std::size_t t = begin; t < end; ++t) {
-            if (!has_names.empty() && has_names[t] == 0) continue;
+            farfield::TileMask& tile = mask.tiles[t];
+            farfield::TileMask asked = tile;
+            unsigned any = 0;
+            for (int row = 0; row < kTileSize; ++row) {
+                if (named != nullptr) asked.rows[row] &= named->tiles[t].rows[row];
+                any |= asked.rows[row];
+                if (!keeps(Rest::no_mirror)) tile.rows[row] = 0;
+            }
+            if (any == 0) continue;
             const int x = int(t % std::size_t(mask.tiles_x)) * kTileSize;
             const int y = int(t / std::size_t(mask.tiles_x)) * kTileSize;
             rest.begin_tile(x, y);
+            if (keeps(Rest::no_mirror) && keeps(Rest::at_rest) && !rest.any_restless(x, y, asked)) continue;
             for (int row = 0; row < kTileSize; ++row) {
-                std::uint16_t& bits = mask.tiles[t].rows[row];
-                if (bits != 0) bits = std::uint16_t(rest.kept(history.visibility.index(x, y + row), bits, keeps));
+                if (asked.rows[row] == 0) continue;
+                const Row kept = rest.kept(history.visibility.index(x, y + row), asked.rows[row], keeps);
+                tile.rows[row] = std::uint16_t((tile.rows[row] & ~asked.rows[row]) | kept);
             }
         }
     });
@@ -186,13 +244,13 @@ bool has_restless_mirrors(const FramePlan& plan, const FrameHistory& history) {
 }
 
 void take_out_restless_mirrors(const FramePlan& plan, const scene::StaticScene& scene, const FrameHistory& history,
-                               std::span<const std::uint8_t> has_names, farfield::PixelMask& mask) {
-    keep(plan, scene, history, has_names, mask, [](Rest rest) { return rest != Rest::restless; });
+                               const farfield::PixelMask* named, farfield::PixelMask& mask) {
+    keep(plan, scene, history, named, mask, [](Rest rest) { return rest != Rest::restless; });
 }
 
 void keep_resting_mirrors(const FramePlan& plan, const scene::StaticScene& scene, const FrameHistory& history,
                           farfield::PixelMask& mask) {
-    keep(plan, scene, history, {}, mask, [](Rest rest) { return rest == Rest::at_rest; });
+    keep(plan, scene, history, nullptr, mask, [](Rest rest) { return rest == Rest::at_rest; });
 }
 
 }  // namespace ff::frame

@@ -22,10 +22,10 @@ void find_mirrored(const FramePlan& plan, FrameHistory& history);
 
 /// Takes their pixels out of a mask.
 /// @param history    find_mirrored() was called for the frame, and the mask's pixels are answered in its visibility,
-///                   those that show none of them perhaps as sky
-/// @param has_names  by tile of the mask: 0 where none of its pixels is one; empty: any tile may have some
+///                   those that show none of them perhaps not
+/// @param named    optional: pixels that may show one; else all of the mask's may
 void take_out_restless_mirrors(const FramePlan& plan, const scene::StaticScene& scene, const FrameHistory& history,
-                               std::span<const std::uint8_t> has_names, farfield::PixelMask& mask);
+                               const farfield::PixelMask* named, farfield::PixelMask& mask);
 
 /// Leaves in a mask only mirrors that are at rest.
 /// @param history  likewise

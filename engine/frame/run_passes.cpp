@@ -88,13 +88,9 @@ void collect_requests(const PixelMask& mask, std::vector<TileRequest>& requests)
     }
 }
 
-farfield::TileMask& tile_of(PixelMask& mask, const TileRequest& request) {
-    return mask.tiles[std::size_t(request.y / kTileSize) * std::size_t(mask.tiles_x) + request.x / kTileSize];
-}
-
 void mark(std::span<const TileRequest> requests, PixelMask& mask) {
     for (const TileRequest& request : requests) {
-        farfield::TileMask& tile = tile_of(mask, request);
+        farfield::TileMask& tile = mask.tile_of(request);
         for (int row = 0; row < kTileSize; ++row) tile.rows[row] |= request.rows[row];
     }
 }
@@ -103,22 +99,22 @@ void mark(std::span<const TileRequest> requests, PixelMask& mask) {
 void subtract(std::span<const TileRequest> wanted, std::span<const TileRequest> left, PixelMask& mask) {
     mark(wanted, mask);
     for (const TileRequest& request : left) {
-        farfield::TileMask& tile = tile_of(mask, request);
+        farfield::TileMask& tile = mask.tile_of(request);
         for (int row = 0; row < kTileSize; ++row) tile.rows[row] &= std::uint16_t(~request.rows[row]);
     }
 }
 
 /// Takes pixels on which the shadow of something that moves may fall out of a mask of finished colours.
-/// @param named  by tile: 0 where none falls
+/// @param may_fall  by tile: 0 where none falls
 void take_out_shaded(const farfield::MovingShadows& shadows, std::span<const TileRequest> tiles,
-                     std::span<const std::uint8_t> named, const farfield::VisibilityBuffer& visibility,
+                     std::span<const std::uint8_t> may_fall, const farfield::VisibilityBuffer& visibility,
                      PixelMask& coloured) {
     constexpr std::size_t kTilesPerTask = 64;
     parallel_ranges(tiles.size(), kTilesPerTask, [&](std::size_t begin, std::size_t end) {
         for (std::size_t t = begin; t < end; ++t) {
-            if (named[t] == 0) continue;
+            if (may_fall[t] == 0) continue;
             TileRequest tile = tiles[t];
-            farfield::TileMask& mask = tile_of(coloured, tile);
+            farfield::TileMask& mask = coloured.tile_of(tile);
             for (int row = 0; row < kTileSize; ++row) tile.rows[row] &= mask.rows[row];
             if (tile.is_empty() || !shadows.find(visibility, tile)) continue;
             for (int row = 0; row < kTileSize; ++row) mask.rows[row] &= std::uint16_t(~tile.rows[row]);
@@ -264,25 +260,19 @@ void begin_panorama(const FramePlan& plan, FrameHistory& history) {
     history.panorama->begin_frame(plan.view.position);
 }
 
-/// Which tiles of texels show mirrors, in part.
+/// Which texels show mirrors.
 void mark_mirrors(const FramePlan& plan, const scene::StaticScene& scene, const farfield::VisibilityBuffer& map,
-                  std::span<const TileRequest> tiles, std::vector<std::uint8_t>& marks) {
-    marks.resize(tiles.size());
+                  std::span<const TileRequest> tiles, std::vector<farfield::TileMask>& marks) {
+    marks.assign(tiles.size(), farfield::TileMask{});
     const auto is_off = [&](effects::EffectId id) { return plan.effects[id].state == effects::State::off; };
-    if (is_off(effects::EffectId::reflections) && is_off(effects::EffectId::water)) {
-        std::fill(marks.begin(), marks.end(), std::uint8_t(0));
-        return;
-    }
+    if (is_off(effects::EffectId::reflections) && is_off(effects::EffectId::water)) return;
     parallel_ranges(tiles.size(), 32, [&](std::size_t begin, std::size_t end) {
         effects::MirrorTest kind_of(scene, plan.dynamic);
         for (std::size_t t = begin; t < end; ++t) {
-            bool any = false;
-            for (int row = 0; row < kTileSize && !any; ++row) {
+            for (int row = 0; row < kTileSize; ++row) {
                 const std::size_t first = map.index(tiles[t].x, tiles[t].y + row);
-                for (std::size_t at = first; at < first + kTileSize && !any; ++at)
-                    any = kind_of(map.instance[at], map.triangle[at]) != effects::MirrorKind::none;
+                marks[t].rows[row] = kind_of.mirrors_of_row(&map.instance[first], &map.triangle[first]);
             }
-            marks[t] = std::uint8_t(any);
         }
     });
 }
@@ -374,7 +364,7 @@ void find_swaying(const FramePlan& plan, const Tools& tools, FrameHistory& histo
 
 /// Tiles in which something that moves may show, or cast its shadow on what is seen.
 void find_tiles_of_moving(const FramePlan& plan, FrameHistory& history) {
-    history.named_tiles.assign(history.all_tiles.size(), 0);
+    history.tiles_of_moving.assign(history.all_tiles.size(), 0);
     if (plan.dynamic.empty()) return;
     history.moving_tiles.begin(plan.view);
     for (const scene::Instance& instance : plan.dynamic) history.moving_tiles.add(instance.bounds);
@@ -382,8 +372,9 @@ void find_tiles_of_moving(const FramePlan& plan, FrameHistory& history) {
     parallel_ranges(history.all_tiles.size(), kTilesPerTask, [&](std::size_t begin, std::size_t end) {
         for (std::size_t t = begin; t < end; ++t) {
             const TileRequest& tile = history.all_tiles[t];
-            history.named_tiles[t] = std::uint8_t(history.moving_tiles.has(tile) ||
-                                                  (plan.sun_shadows && history.moving_shadows.may_fall_into(tile)));
+            const bool may_show =
+                history.moving_tiles.has(tile) || (plan.sun_shadows && history.moving_shadows.may_fall_into(tile));
+            history.tiles_of_moving[t] = std::uint8_t(may_show);
         }
     });
 }
@@ -408,7 +399,8 @@ void look_up_panorama(const FramePlan& plan, const Tools& tools, const farfield:
                                           .color_stride = image.stride,
                                           .depths = wants_depths,
                                           .names = names,
-                                          .named = history.named_tiles};
+                                          .whole = history.tiles_of_moving,
+                                          .named = &history.named};
     const farfield::PanoramaStats found = panorama.lookup(plan.view, history.wanted, limits, target, history.requests);
     stats.pixels.panorama = found.reused + found.stale + found.unanswered;
     stats.pixels.stale = found.stale + found.unanswered;
@@ -532,10 +524,10 @@ void draw_surfaces(const FramePlan& plan, const Tools& tools, FrameHistory& hist
         if (plan.look_up_panorama && plan.effects.is_active(effects::EffectId::reflections))
             show_resting_mirrors(plan, tools.scene, history, image);
         if (plan.look_up_panorama && plan.sun_shadows && !plan.dynamic.empty())
-            take_out_shaded(history.moving_shadows, history.all_tiles, history.named_tiles, visibility, coloured);
+            take_out_shaded(history.moving_shadows, history.all_tiles, history.tiles_of_moving, visibility, coloured);
         // Mirrors that were cast and are coloured all the same are at rest.
         if (plan.look_up_panorama && has_restless_mirrors(plan, history))
-            take_out_restless_mirrors(plan, tools.scene, history, history.named_tiles, coloured);
+            take_out_restless_mirrors(plan, tools.scene, history, &history.named, coloured);
         const PixelMask* const done[] = {&coloured};
         collect_requests(history.all_tiles, done, history.to_shade);
     }
@@ -554,7 +546,7 @@ void draw_surfaces(const FramePlan& plan, const Tools& tools, FrameHistory& hist
         // But mirrors that may show what moves: it would stay in them.
         PixelMask& steady = history.coloured;
         steady = sources.cast;
-        if (has_restless_mirrors(plan, history)) take_out_restless_mirrors(plan, tools.scene, history, {}, steady);
+        if (has_restless_mirrors(plan, history)) take_out_restless_mirrors(plan, tools.scene, history, nullptr, steady);
         collect_requests(steady, history.to_store);
         history.panorama->store(plan.view, history.to_store, visibility, image.pixels, image.stride, sun_seen);
     }

@@ -153,6 +153,67 @@ TEST(Panorama, FillsNothingWhereEverythingWasSeen) {
     EXPECT_LT(rig.fill(view_at(kEye, 1.02)), 6u * 16u * 256u);  // a column or two at the border
 }
 
+TEST(Panorama, TellsWhatMarkedPixelsSeeAndWhatWholeTilesDo) {
+    Rig rig(test::make_city({.cells = 2}));
+    const PinholeView view = view_at(kEye, 0.4, -0.1);
+    const auto is_marked = [](std::uint32_t instance, std::uint32_t triangle) {
+        return instance != kSkyInstance && (instance + triangle) % 5 == 0;
+    };
+    rig.panorama.begin_frame(kEye);
+    rig.panorama.plan_fill(view, all_tiles(), {});
+    for (int face = 0; face < 6; ++face) {
+        const auto requests = rig.panorama.fill_requests(face);
+        const VisibilityBuffer& map = rig.panorama.map();
+        rig.caster->cast_tiles(rig.panorama.face_view(face), requests, rig.panorama.map());
+        paint(rig.panorama.face_view(face), requests, map, rig.map_colors);
+        std::vector<TileMask> marks(requests.size());
+        for (std::size_t r = 0; r < requests.size(); ++r)
+            for (int j = 0; j < kTileSize; ++j)
+                for (int i = 0; i < kTileSize; ++i) {
+                    const std::size_t at = map.index(requests[r].x + i, requests[r].y + j);
+                    const bool marked = is_marked(map.instance[at], map.triangle[at]);
+                    marks[r].rows[j] = std::uint16_t(marks[r].rows[j] | unsigned(marked) << i);
+                }
+        rig.panorama.commit_fill(face, rig.map_colors, map.stride, marks);
+    }
+    VisibilityBuffer all = rig.visibility;
+    const PanoramaLimits limits{.edges = EdgeRule::blend};
+    rig.panorama.lookup(view, all_tiles(), limits, {&all, rig.colors.data(), all.stride}, rig.to_cast);
+
+    constexpr std::uint32_t kUntouched = 0xABCDu;
+    std::fill(rig.visibility.triangle.begin(), rig.visibility.triangle.end(), kUntouched);
+    std::vector<std::uint8_t> whole(all_tiles().size(), 0);
+    whole[13] = 1;
+    PixelMask named;
+    const PanoramaTarget target{.visibility = &rig.visibility,
+                                .colors = rig.colors.data(),
+                                .color_stride = rig.visibility.stride,
+                                .depths = false,
+                                .names = PanoramaNames::marked,
+                                .whole = whole,
+                                .named = &named};
+    rig.panorama.lookup(view, all_tiles(), limits, target, rig.to_cast);
+    std::uint64_t marked = 0, outside_of_whole = 0;
+    for (int y = 0; y < kHeight; ++y)
+        for (int x = 0; x < kWidth; ++x) {
+            const std::size_t at = all.index(x, y);
+            const bool is_whole = whole[std::size_t(y / kTileSize * (kWidth / kTileSize) + x / kTileSize)] != 0;
+            const bool expected = is_whole || is_marked(all.instance[at], all.triangle[at]);
+            ASSERT_EQ(named.test(x, y), expected) << x << ", " << y;
+            marked += expected ? 1 : 0;
+            outside_of_whole += expected && !is_whole ? 1 : 0;
+            if (!expected) {
+                ASSERT_EQ(rig.visibility.triangle[at], kUntouched);
+                continue;
+            }
+            ASSERT_EQ(rig.visibility.instance[at], all.instance[at]);
+            ASSERT_EQ(rig.visibility.triangle[at], all.triangle[at]);
+            ASSERT_EQ(rig.visibility.depth[at], all.depth[at]);
+        }
+    EXPECT_GT(outside_of_whole, 500u);
+    EXPECT_LT(marked, std::uint64_t(kWidth * kHeight) * 3 / 4);
+}
+
 TEST(Panorama, HasNoSeamsAtPolesAndFaceEdgesAtAnyRoll) {
     // From within a sphere of one triangle's colour steps, every pixel must be answered with the right distance.
     Rig rig(test::make_closed_sphere(40, 24));
