@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <glm/geometric.hpp>
 #include <limits>
 
 #include "engine/core/check.h"
@@ -43,6 +44,8 @@ bool contains(ColumnRange outer, int column, int columns) {
 }  // namespace
 
 HorizonMap::HorizonMap(const HorizonSettings& settings) : settings_(settings) {
+    FF_CHECK(settings.frames_ahead >= 0 && settings.frames_ahead <= 64, "horizon of {} frames ahead",
+             settings.frames_ahead);
     FF_CHECK(settings.fine_squares >= 0 && settings.fine_squares <= 16, "{} fine squares", settings.fine_squares);
     FF_CHECK(settings.columns >= 64 && settings.columns <= kMaxHorizonColumns && settings.columns % 4 == 0,
              "{} horizon columns", settings.columns);
@@ -75,6 +78,7 @@ void HorizonMap::set_quality(float near_distance_m, int subsample) {
 
 void HorizonMap::invalidate() {
     valid_ = {};
+    roam_m_ = climb_m_ = 0.0;
     heights_ = nullptr;
     boxes_ = nullptr;
     std::fill(winner_.begin(), winner_.end(), kNoSquare);
@@ -128,11 +132,34 @@ ColumnRange HorizonMap::with_margin(const scene::StaticScene* scene, const scene
                                     const PinholeView& view) const {
     const int all = settings_.columns;
     const ColumnRange wanted = columns_of_view(view, all);
-    const bool known = is_of(scene, grid) && eye_ == view.position &&
+    const bool known = is_of(scene, grid) && holds_for(view.position) &&
                        (valid_.count == all || modulo(wanted.first - valid_.first, all) + wanted.count <= valid_.count);
     if (known) return wanted;
     const int margin = all / 64;
     return {modulo(wanted.first - margin, all), std::min(all, wanted.count + 2 * margin)};
+}
+
+bool HorizonMap::holds_for(const WorldPos& eye) const {
+    if (roam_m_ == 0.0) return eye == middle_;
+    if (eye == eye_) return false;  // one who stands shall have the best
+    const DVec3 from_middle = eye - middle_;
+    return std::hypot(from_middle.x, from_middle.z) <= roam_m_ && std::abs(from_middle.y) <= climb_m_;
+}
+
+/// Forgets the skyline; what is traced next holds for the eye.
+void HorizonMap::move_to(const WorldPos& eye) {
+    constexpr double kMostM = 4.0;     // more would hide most of the sky between houses
+    constexpr double kUneven = 0.125;  // of the way: what ground and steps do to an eye
+    valid_ = {};
+    middle_ = eye;
+    roam_m_ = climb_m_ = 0.0;
+    const DVec3 half = 0.5 * settings_.frames_ahead * (eye - eye_);
+    const double roam = std::hypot(half.x, half.z);
+    const bool was_here = heights_ != nullptr && roam > 0.0 && glm::length(half) <= kMostM;
+    if (!was_here || settings_.near_distance_m > 0.0f) return;
+    middle_ += half;
+    roam_m_ = roam * (1.0 + 1e-3);
+    climb_m_ = std::abs(half.y) * (1.0 + 1e-3) + kUneven * roam;
 }
 
 HorizonWedges HorizonMap::wedges(float near_distance) const {
@@ -177,7 +204,7 @@ HorizonCost HorizonMap::trace(const scene::StaticScene* scene, const scene::Heig
                               ColumnRange wanted) {
     const int all = settings_.columns, step = settings_.subsample;
     if (!is_of(scene, grid)) invalidate();
-    if (eye_ != eye) valid_ = {};
+    if (!holds_for(eye)) move_to(eye);
     heights_ = grid.heights.data();
     boxes_ = scene ? scene->instance_nodes.data() : nullptr;
     eye_ = eye;
@@ -199,8 +226,8 @@ HorizonCost HorizonMap::trace(const scene::StaticScene* scene, const scene::Heig
         traced_[std::size_t(c)] = missing ? -kInfinity : kInfinity;
         cost.columns += missing ? 1u : 0u;
     }
-    const double eye_x = (eye.x - grid.low_x) / grid.square_m, eye_z = (eye.z - grid.low_z) / grid.square_m;
-    const double eye_height = eye.y - grid.base_y;
+    const double eye_x = (middle_.x - grid.low_x) / grid.square_m, eye_z = (middle_.z - grid.low_z) / grid.square_m;
+    const double eye_height = middle_.y - grid.base_y;
     constexpr double kFarthestSquares = 1 << 22;  // beyond, floats no longer tell squares apart
     const bool known = grid.size >= 1 && std::isfinite(eye_height) && std::abs(eye_x) < kFarthestSquares &&
                        std::abs(eye_z) < kFarthestSquares;
@@ -222,14 +249,20 @@ HorizonCost HorizonMap::trace(const scene::StaticScene* scene, const scene::Heig
         input.frac_z = float(eye_z - std::floor(eye_z));
         input.eye_height_m = std::nextafter(float(eye_height), -kInfinity);
         input.squares_per_m = float(1.0 / grid.square_m);
+        input.roam = float(roam_m_ / grid.square_m * (1.0 + 1e-6));
+        input.climb = float(climb_m_ / grid.square_m * (1.0 + 1e-6));
         // Around the eye the scene itself, beyond it the grid.
         const double near_m = double(settings_.near_distance_m), reach_m = settings_.fine_squares * grid.square_m;
         const bool fine = scene != nullptr && reach_m > near_m;
         input.wedges = wedges(float((fine ? reach_m : near_m) / grid.square_m * (1.0 - 1e-6)));
+        if (input.roam > 0.0f)
+            input.wedges.inverse_near = 1.0f / std::max(input.wedges.near_distance - input.roam, 0.0f);
         for (int c = input.wedges.columns; c < input.wedges.columns + kPadding; ++c)
             traced_[std::size_t(c)] = kInfinity;
         const HorizonNearInput around{scene,
-                                      eye,
+                                      middle_,
+                                      float(roam_m_ * (1.0 + 1e-6)),
+                                      float(climb_m_ * (1.0 + 1e-6)),
                                       float(reach_m * (1.0 + 1e-5) + 1e-3),
                                       wedges(settings_.near_distance_m * (1.0f - 1e-6f)),
                                       border_x_.data(),

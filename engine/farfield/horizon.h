@@ -39,6 +39,10 @@ struct HorizonSettings {
     /// scene is given): a square that holds a house would hide the sky of the whole street. 0: never. [0, 16]
     int fine_squares = 3;
 
+    /// Where the eye moves, the skyline is traced for all places around those that it will cross in so many frames if
+    /// it goes on as it does, a little too high for each, and then serves them all. 0: for its place alone. [0, 64]
+    int frames_ahead = 0;
+
     friend bool operator==(const HorizonSettings&, const HorizonSettings&) = default;
 };
 
@@ -64,8 +68,8 @@ class HorizonMap {
     explicit HorizonMap(const HorizonSettings& settings = {});
 
     /// Makes the columns that `view` looks at (and a margin) valid for its position, tracing those that are not:
-    /// none while only the direction changes within what was traced, all of the view's once the eye moved. By two
-    /// workers where there are many; their number changes nothing.
+    /// none while only the direction changes within what was traced, all of the view's once the eye moved (or left the
+    /// places of HorizonSettings::frames_ahead). By two workers where there are many; their number changes nothing.
     HorizonCost update(const scene::StaticScene& scene, const PinholeView& view);
     /// Makes the given columns valid for an eye.
     HorizonCost update(const scene::StaticScene& scene, const WorldPos& eye, ColumnRange wanted);
@@ -89,6 +93,8 @@ class HorizonMap {
     [[nodiscard]] bool is_of(const scene::StaticScene* scene, const scene::HeightGrid& grid) const;
     HorizonCost trace(const scene::StaticScene* scene, const scene::HeightGrid& grid, const WorldPos& eye,
                       ColumnRange wanted);
+    [[nodiscard]] bool holds_for(const WorldPos& eye) const;
+    void move_to(const WorldPos& eye);
     void make_wedges();
     /// Raises traced_ by what `raise_by(tangents, winner, cost)` adds to them, half of the columns on each of two
     /// workers.
@@ -96,7 +102,10 @@ class HorizonMap {
     void raise_halves(RaiseBy&& raise_by, HorizonCost& cost);
 
     HorizonSettings settings_;
-    WorldPos eye_{0.0};
+    WorldPos eye_{0.0};                      ///< of the last update
+    WorldPos middle_{0.0};                   ///< of the places that the skyline holds for
+    double roam_m_ = 0.0;                    ///< their greatest horizontal distance from it; 0: it alone
+    double climb_m_ = 0.0;                   ///< and their greatest vertical one
     const float* heights_ = nullptr;         ///< of the grid that was traced; null: nothing was
     const scene::BvhNode* boxes_ = nullptr;  ///< of the scene that was traced; null: the grid alone
     ColumnRange valid_;
@@ -122,7 +131,7 @@ class HorizonMap {
 [[nodiscard]] ColumnRange columns_of_view(const PinholeView& view, int columns);
 
 /// Sets in `sky` (resized to the view) the bit of every pixel whose ray certainly meets nothing static: its elevation
-/// is above the skyline of its column. The map must be that of the view's position.
+/// is above the skyline of its column. The map was last updated for the view's position.
 /// @return pixels found to be sky.
 std::uint64_t find_sky_pixels(const PinholeView& view, const HorizonMap& map, PixelMask& sky);
 

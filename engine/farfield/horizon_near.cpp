@@ -3,8 +3,12 @@
 //
 // Walks the instances' BVH and the meshes' front to back, with the same test as the walk of the grid. Leaves count as
 // boxes; those that look very wide from here (a diagonal wall along the street has a box that covers the street) are
-// taken apart into triangles. A triangle's skyline is that of its edges, and an edge's is a great circle: its tangent
-// over azimuth is a cosine.
+// taken apart into triangles. A triangle's skyline is that of its edges; to each column an edge adds what the part of
+// it that lies in the column's wedge does.
+//
+// The eye may be anywhere in a cylinder: to all of its places together a box looks as one that is larger by the
+// cylinder does to its middle, a wedge is a strip wider on each side, and everything is nearer and higher by its radius
+// and half its height.
 #include "engine/farfield/horizon_near.h"
 
 #include <algorithm>
@@ -106,7 +110,7 @@ class NearWalk {
         alignas(64) std::int32_t first[16], count[16];
         const Mat3& m = placement.linear;
         const V half = hn::Set(d, 0.5f), zero = hn::Zero(d), one = hn::Set(d, 1.0f);
-        const V slack = hn::Set(d, placement.slack_m);
+        const Vec3 slack = Vec3(in_.roam_m, in_.climb_m, in_.roam_m) + placement.slack_m;
         std::uint32_t within = 0;
         for (std::size_t i = 0; i < 16; i += hn::Lanes(d)) {
             const V lows[3] = {hn::Load(d, node.low_x + i), hn::Load(d, node.low_y + i), hn::Load(d, node.low_z + i)};
@@ -115,7 +119,7 @@ class NearWalk {
             V center[3], reach[3];
             for (int axis = 0; axis < 3; ++axis) {
                 center[axis] = hn::Set(d, placement.offset[axis]);
-                reach[axis] = slack;
+                reach[axis] = hn::Set(d, slack[axis]);
             }
             for (int k = 0; k < 3; ++k) {
                 const V c = hn::Mul(hn::Add(lows[k], highs[k]), half), e = hn::Mul(hn::Sub(highs[k], lows[k]), half);
@@ -192,11 +196,12 @@ class NearWalk {
                 const int v = leaf.corner[k][t];
                 corner[k] = placement.linear * Vec3(leaf.x[v], leaf.y[v], leaf.z[v]) + placement.offset;
             }
-            const float slack = 2.0f * placement.slack_m;
-            const float top = std::max(corner[0].y, std::max(corner[1].y, corner[2].y)) + slack;
+            const float slack = 2.0f * placement.slack_m + in_.roam_m,
+                        slack_up = 2.0f * placement.slack_m + in_.climb_m;
+            const float top = std::max(corner[0].y, std::max(corner[1].y, corner[2].y)) + slack_up;
             float nearest = kInfinity;
             for (int k = 0; k < 3; ++k) nearest = std::min(nearest, distance_to_edge(corner[k], corner[(k + 1) % 3]));
-            if (nearest <= slack) {  // an edge straight above or below the eye, as far as rounding can tell
+            if (nearest <= slack) {  // an edge straight above or below the eye, as far as one can tell
                 raise_all(top > 0.0f ? kInfinity : 0.0f);
                 continue;
             }
@@ -205,24 +210,26 @@ class NearWalk {
             const bool over_eye = (side[0] > 0.0f && side[1] > 0.0f && side[2] > 0.0f) ||
                                   (side[0] < 0.0f && side[1] < 0.0f && side[2] < 0.0f);
             if (over_eye && top > 0.0f) {
-                // Its height there, from the barycentric weights.
+                // Its height there, from the barycentric weights, and the eye's distance from its plane.
                 const float height = (side[1] * corner[0].y + side[2] * corner[1].y + side[0] * corner[2].y) /
                                      (side[0] + side[1] + side[2]);
-                if (!(height < -slack - 1e-4f * top)) {
+                const Vec3 normal = glm::cross(corner[1] - corner[0], corner[2] - corner[0]);
+                const float distance = -height * std::abs(normal.y) / glm::length(normal);
+                if (!(distance > slack + slack_up + 1e-4f * top)) {
                     raise_all(kInfinity);
                     continue;
                 }
             }
-            for (int k = 0; k < 3; ++k) raise_edge(corner[k], corner[(k + 1) % 3], slack);
+            for (int k = 0; k < 3; ++k) raise_edge(corner[k], corner[(k + 1) % 3], slack, slack_up);
         }
     }
 
-    void raise_edge(const Vec3& p, const Vec3& q, float slack) {
+    void raise_edge(const Vec3& p, const Vec3& q, float slack, float slack_up) {
         const int columns = in_.wedges.columns;
         const float from = azimuth_turn(p.x, p.z);
         float turn = azimuth_turn(q.x, q.z) - from;
         turn -= std::floor(turn + 0.5f);
-        // Rounding of the positions turns them by at most slack / distance.
+        // The eye's place turns positions by at most slack / distance.
         const float nearest = distance_to_edge(p, q) - slack;
         const float margin = 4.0f * in_.wedges.column_margin + float(columns) * 0.17f * slack / nearest;
         int first = int(std::floor((from + std::min(turn, 0.0f)) * float(columns) - margin));
@@ -230,27 +237,64 @@ class NearWalk {
         const int count = std::min(columns, last - first + 1);
         first = (first % columns + columns) % columns;
 
-        const float top = std::max(p.y, q.y) + slack;
+        const float top = std::max(p.y, q.y) + slack_up;
         const float farthest = std::sqrt(std::max(p.x * p.x + p.z * p.z, q.x * q.x + q.z * q.z)) + slack;
-        const float limit = top > 0.0f ? top / nearest : top / farthest;  // of the whole edge
-        const Vec3 normal = glm::cross(p, q);                             // of the plane through the eye
-        const float scale = glm::length(p) * glm::length(q);
-        const bool is_radial = std::abs(normal.y) < 1e-3f * scale;  // hardly any azimuth: the limit is as good
-        const float half_wedge = 3.5f / float(columns);
-        const float peak = 1.0f + half_wedge * half_wedge;  // of a cosine between the borders of a wedge
-        for (int i = 0; i < count; ++i) {
-            const int c = first + i < columns ? first + i : first + i - columns;
-            if (tangents_[c] >= limit) continue;
-            float tangent = limit;
-            if (!is_radial) {
-                const float t0 = -(normal.x * in_.border_x[c] + normal.z * in_.border_z[c]) / normal.y;
-                const float t1 = -(normal.x * in_.border_x[c + 1] + normal.z * in_.border_z[c + 1]) / normal.y;
-                float t = std::max(t0, t1);
-                if (t > 0.0f) t *= peak;
-                t += 3e-4f * (1.0f + std::abs(t)) + 2.0f * slack / nearest * (1.0f + std::abs(t));
-                tangent = std::min(limit, t);
-            }
-            tangents_[c] = std::max(tangents_[c], tangent);
+        const Edge edge{p, q - p, slack, slack_up, nearest, farthest, top > 0.0f ? top / nearest : top / farthest};
+        const int before_wrap = std::min(first + count, columns);
+        raise_columns(edge, first, before_wrap);
+        raise_columns(edge, 0, first + count - before_wrap);
+    }
+
+    struct Edge {
+        Vec3 from, along;
+        float slack, slack_up;    ///< horizontally, vertically
+        float nearest, farthest;  ///< horizontally, to any of the eye's places
+        float limit;              ///< no tangent is greater
+    };
+
+    void raise_columns(const Edge& edge, int first, int end) {
+        const V one = hn::Set(d, 1.0f), zero = hn::Zero(d);
+        const V px = hn::Set(d, edge.from.x), py = hn::Set(d, edge.from.y), pz = hn::Set(d, edge.from.z);
+        const V ex = hn::Set(d, edge.along.x), ey = hn::Set(d, edge.along.y), ez = hn::Set(d, edge.along.z);
+        // Half the width of the strip around a wedge: where the eye may be, the wedge's margin, rounding.
+        const float margin = 7.0f * in_.wedges.column_margin / float(in_.wedges.columns) + 2e-6f;
+        const V strip = hn::Set(d, -(edge.slack + margin * edge.farthest));
+        const float length2 = edge.along.x * edge.along.x + edge.along.z * edge.along.z;
+        const float foot_at = -(edge.from.x * edge.along.x + edge.from.z * edge.along.z) / length2;
+        const V foot = hn::Set(d, length2 > 0.0f ? foot_at : 0.0f);
+        const V limit = hn::Set(d, edge.limit), slack = hn::Set(d, edge.slack), nearest = hn::Set(d, edge.nearest);
+        for (int c = first; c < end; c += int(hn::Lanes(d))) {
+            const V old = hn::LoadU(d, tangents_ + c);
+            const auto inside = hn::FirstN(d, std::size_t(end - c));
+            if (hn::AllFalse(d, hn::And(hn::Lt(old, limit), inside))) continue;
+            const V ax = hn::LoadU(d, in_.border_x + c), az = hn::LoadU(d, in_.border_z + c);
+            const V bx = hn::LoadU(d, in_.border_x + c + 1), bz = hn::LoadU(d, in_.border_z + c + 1);
+            // Of the edge, what lies clockwise of the first border, counterclockwise of the second, and not behind.
+            V low = zero, high = one;
+            const auto clip = [&](V at_start, V per_length) HWY_ATTR {
+                const V bound = hn::Div(hn::Sub(strip, at_start), per_length);
+                low = hn::IfThenElse(hn::Gt(per_length, zero), hn::Max(low, bound), low);
+                high = hn::IfThenElse(hn::Lt(per_length, zero), hn::Min(high, bound), high);
+            };
+            const auto cross = [&](V x0, V z0, V x1, V z1)
+                                   HWY_ATTR { return hn::Sub(hn::Mul(x0, z1), hn::Mul(z0, x1)); };
+            clip(cross(ax, az, px, pz), cross(ax, az, ex, ez));
+            clip(cross(px, pz, bx, bz), cross(ex, ez, bx, bz));
+            clip(hn::MulAdd(ax, px, hn::Mul(az, pz)), hn::MulAdd(ax, ex, hn::Mul(az, ez)));
+            const auto any = hn::And(hn::Le(low, high), inside);
+            if (hn::AllFalse(d, any)) continue;
+            const auto height_at = [&](V s) HWY_ATTR { return hn::MulAdd(ey, s, py); };
+            const auto distance_at = [&](V s) HWY_ATTR {
+                const V x = hn::MulAdd(ex, s, px), z = hn::MulAdd(ez, s, pz);
+                return hn::Sqrt(hn::MulAdd(x, x, hn::Mul(z, z)));
+            };
+            const V top = hn::Add(hn::Max(height_at(low), height_at(high)), hn::Set(d, edge.slack_up));
+            const V near = hn::Max(hn::Sub(distance_at(hn::Min(hn::Max(foot, low), high)), slack), nearest);
+            const V far = hn::Add(hn::Max(distance_at(low), distance_at(high)), slack);
+            V tangent = hn::Div(top, hn::IfThenElse(hn::Gt(top, zero), near, far));
+            tangent = hn::MulAdd(hn::Add(one, hn::Abs(tangent)), hn::Set(d, 1e-5f), tangent);
+            tangent = hn::IfThenElse(any, hn::Min(tangent, limit), old);
+            hn::StoreU(hn::Max(tangent, old), d, tangents_ + c);
         }
     }
 

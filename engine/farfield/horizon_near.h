@@ -11,9 +11,11 @@ namespace ff::farfield {
 struct HorizonNearInput {
     const scene::StaticScene* scene = nullptr;
     WorldPos eye{0.0};
+    float roam_m = 0;       ///< the eye may be anywhere within this distance horizontally,
+    float climb_m = 0;      ///< and this far above or below
     float reach_m = 0;      ///< boxes whose nearest point is horizontally farther are left out
     HorizonWedges wedges;   ///< in metres
-    const float* border_x;  ///< [columns + 1]: unit directions between the columns, as float
+    const float* border_x;  ///< [columns + 1], readable 16 beyond: unit directions between the columns
     const float* border_z;
 };
 

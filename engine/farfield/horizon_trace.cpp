@@ -48,12 +48,14 @@ struct alignas(64) Batch {
 };
 
 HWY_INLINE Extent extent_of(const HorizonTraceInput& in, int level, const Batch& batch, std::size_t i) {
-    const V zero = hn::Zero(d), size = hn::Set(d, float(1 << level)), slack = hn::Set(d, kSlackSquares);
+    // An eye that moves by this much sees what a box that is so much larger shows to one that does not.
+    const V roam = hn::Set(d, in.roam), size = hn::Set(d, float(1 << level) + 2.0f * in.roam);
+    const V zero = hn::Zero(d), slack = hn::Set(d, kSlackSquares);
     const auto corner_x = hn::Sub(hn::ShiftLeftSame(hn::Load(di, batch.x + i), level), hn::Set(di, in.eye_x));
     const auto corner_z = hn::Sub(hn::ShiftLeftSame(hn::Load(di, batch.z + i), level), hn::Set(di, in.eye_z));
     Extent e;
-    e.low_x = hn::Sub(hn::ConvertTo(d, corner_x), hn::Set(d, in.frac_x));
-    e.low_z = hn::Sub(hn::ConvertTo(d, corner_z), hn::Set(d, in.frac_z));
+    e.low_x = hn::Sub(hn::Sub(hn::ConvertTo(d, corner_x), hn::Set(d, in.frac_x)), roam);
+    e.low_z = hn::Sub(hn::Sub(hn::ConvertTo(d, corner_z), hn::Set(d, in.frac_z)), roam);
     e.high_x = hn::Add(e.low_x, size);
     e.high_z = hn::Add(e.low_z, size);
     e.gap_x = hn::Max(hn::Sub(hn::Max(e.low_x, hn::Neg(e.high_x)), slack), zero);
@@ -72,7 +74,8 @@ HWY_INLINE Rise rise_of(const HorizonTraceInput& in, const Extent& e, V height) 
     const V far_x = hn::Add(hn::Max(hn::Neg(e.low_x), e.high_x), slack);
     const V far_z = hn::Add(hn::Max(hn::Neg(e.low_z), e.high_z), slack);
     Rise r;
-    r.rise = hn::Mul(hn::Sub(height, hn::Set(d, in.eye_height_m)), hn::Set(d, in.squares_per_m));
+    r.rise =
+        hn::MulAdd(hn::Sub(height, hn::Set(d, in.eye_height_m)), hn::Set(d, in.squares_per_m), hn::Set(d, in.climb));
     // Wholly nearer than the near distance: not ours.
     const V far2 = hn::Add(hn::Mul(far_x, far_x), hn::Mul(far_z, far_z));
     r.rise = hn::IfThenElse(hn::Le(far2, hn::Set(d, in.wedges.near_distance * in.wedges.near_distance)),

@@ -28,6 +28,8 @@ struct HorizonTraceInput {
     float frac_x = 0, frac_z = 0;
     float eye_height_m = 0;  ///< over the grid's base, rounded down
     float squares_per_m = 1;
+    float roam = 0;   ///< the eye may be anywhere within so many squares of its place, horizontally
+    float climb = 0;  ///< and so many above or below it
     HorizonWedges wedges;
 };
 

@@ -111,6 +111,32 @@ TEST(Horizon, nothing_is_traced_while_only_the_direction_changes_within_what_is_
     EXPECT_GT(map.update(world.grid, make_view(camera, 320, 240)).columns, 200u);
 }
 
+TEST(Horizon, serves_a_walk_for_some_frames_and_is_exact_again_once_it_ends) {
+    const auto world = make_valley_grid(256, 30.0, 2);
+    HorizonMap ahead({.frames_ahead = 8});
+    Camera camera;
+    camera.position = {1500.0, 150.0, 0.0};
+    int traced_frames = 0;
+    for (int frame = 0; frame < 40; ++frame) {
+        camera.position.x += 0.15;
+        const PinholeView view = make_view(camera, 320, 240);
+        traced_frames += ahead.update(world.grid, view).columns > 0 ? 1 : 0;
+        HorizonMap fresh;
+        fresh.update(world.grid, view);
+        for (std::size_t c = 0; c < fresh.tangents().size(); ++c) {
+            if (!std::isfinite(fresh.tangents()[c])) continue;
+            ASSERT_GE(ahead.tangents()[c], fresh.tangents()[c] - 1e-5f);
+            ASSERT_LT(ahead.tangents()[c], fresh.tangents()[c] + 0.1f);
+        }
+    }
+    EXPECT_LE(traced_frames, 7);
+    EXPECT_GT(ahead.update(world.grid, make_view(camera, 320, 240)).columns, 0u);
+    EXPECT_EQ(ahead.update(world.grid, make_view(camera, 320, 240)).columns, 0u);
+    HorizonMap fresh;
+    fresh.update(world.grid, make_view(camera, 320, 240));
+    EXPECT_TRUE(std::equal(fresh.tangents().begin(), fresh.tangents().end(), ahead.tangents().begin()));
+}
+
 TEST(Horizon, calls_nothing_sky_where_it_knows_nothing) {
     PixelMask sky;
     const PinholeView view = make_view({}, 100, 70);
@@ -160,10 +186,11 @@ TEST(Horizon, no_pixel_that_a_ray_hits_is_called_sky_for_any_pitch_roll_and_eye)
                                        .near_distance_m = seed % 5 == 0 ? float(2.0 * square) : 0.0f,
                                        .subsample = seed % 8 == 1   ? 2
                                                     : seed % 8 == 2 ? 4
-                                                                    : 1};
+                                                                    : 1,
+                                       .frames_ahead = seed % 2 ? 8 : 0};
         const PinholeView view = make_view(camera, 75, 50);
         HorizonMap map(settings);
-        map.update(world.grid, view);
+        test::walk_to(world.grid, view, 0.02 * square, std::uint32_t(seed), map);
         PixelMask sky;
         const std::uint64_t count = find_sky_pixels(view, map, sky);
         EXPECT_EQ(count, sky.count());
@@ -226,8 +253,10 @@ double check_scene(const scene::StaticScene& scene, int seeds, double lowest_m, 
         camera.pitch = random.between(-0.3, 1.2);
         camera.roll = random.between(-1.0, 1.0);
         const PinholeView view = make_view(camera, 48, 36);
-        HorizonMap map({.columns = seed % 5 == 4 ? 256 : 1280, .subsample = seed % 7 == 6 ? 2 : 1});
-        map.update(scene, view);
+        HorizonMap map({.columns = seed % 5 == 4 ? 256 : 1280,
+                        .subsample = seed % 7 == 6 ? 2 : 1,
+                        .frames_ahead = seed % 2 ? 8 : 0});
+        test::walk_to(scene, view, seed % 3 ? 0.1 : 0.8, std::uint32_t(seed), map);
         PixelMask sky;
         find_sky_pixels(view, map, sky);
         const AllTriangles triangles(scene, camera.position);

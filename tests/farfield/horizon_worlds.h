@@ -8,6 +8,7 @@
 #include <random>
 #include <vector>
 
+#include "engine/farfield/horizon.h"
 #include "engine/scene/static_scene.h"
 
 namespace ff::test {
@@ -86,6 +87,24 @@ inline bool meets_bars(const OwnedHeightGrid& world, const WorldPos& eye, const 
             if (enter <= leave) return true;
         }
     return false;
+}
+
+/// Updates a skyline as a viewer does who walks to a view's place, by a step in any direction a frame, and swerves in
+/// the last one.
+/// @param world  scene or height grid
+template <class World>
+void walk_to(const World& world, const PinholeView& view, double step_m, std::uint32_t seed,
+             farfield::HorizonMap& map) {
+    std::mt19937 engine(seed);
+    std::uniform_real_distribution<double> in(-1.0, 1.0);
+    const auto any = [&] { return DVec3(in(engine), 0.3 * in(engine), in(engine)); };
+    const DVec3 step = step_m * any(), swerve = 2.0 * step_m * any();
+    PinholeView earlier = view;
+    for (int left = int(engine() % 12); left > 0; --left) {
+        earlier.position = view.position + swerve - double(left) * step;
+        map.update(world, earlier);
+    }
+    map.update(world, view);
 }
 
 }  // namespace ff::test

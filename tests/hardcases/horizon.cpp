@@ -92,13 +92,14 @@ HorizonSettings random_settings(test::Random& random, double square_m) {
     constexpr std::array<int, 3> kColumns{64, 320, 1280};
     return {.columns = kColumns[random.below(3)],
             .near_distance_m = random.below(4) == 0 ? float(2.0 * square_m) : 0.0f,
-            .subsample = 1 << random.below(3)};
+            .subsample = 1 << random.below(3),
+            .frames_ahead = random.below(2) == 0 ? 8 : 0};
 }
 
 }  // namespace
 
 void horizon_over_bars(Trial& trial) {
-    PixelMask sky, easy_sky;
+    PixelMask sky, walked_sky, easy_sky;
     while (!trial.done()) {
         test::Random random(trial.next_seed());
         double tallest = 0.0;
@@ -120,10 +121,14 @@ void horizon_over_bars(Trial& trial) {
             easy_map.update(world.grid, easy);
             find_sky_pixels(easy, easy_map, easy_sky);
         });
+        HorizonMap walked(settings);
+        test::walk_to(world.grid, view, world.grid.square_m * std::pow(10.0, random.in(-4.0, -1.0)),
+                      random.below(1u << 20), walked);
+        find_sky_pixels(view, walked, walked_sky);
         for (int y = 0; y < kHeight; ++y)
             for (int x = 0; x < kWidth; ++x) {
-                const bool is_wrong =
-                    sky.test(x, y) && test::meets_bars(world, view.position, DVec3(view.direction(x, y)),
+                const bool is_wrong = (sky.test(x, y) || walked_sky.test(x, y)) &&
+                                      test::meets_bars(world, view.position, DVec3(view.direction(x, y)),
                                                        double(settings.near_distance_m));
                 trial.count(!is_wrong, 0.0, [&] { return fmt::format("pixel {}, {}", x, y); });
             }
@@ -178,7 +183,7 @@ void horizon_over_scenes(Trial& trial) {
             const PinholeView view = make_view(camera, kWidth, kHeight);
             HorizonMap map(random_settings(random, 0.0));
             map.set_quality(0.0f, map.settings().subsample);
-            map.update(scene, view);
+            test::walk_to(scene, view, std::pow(10.0, random.in(-4.0, 0.0)), random.below(1u << 20), map);
             find_sky_pixels(view, map, sky);
             seen.resize(kWidth, kHeight);
             caster->cast_tiles(view, all_tiles(view), seen);
