@@ -1,6 +1,7 @@
 #pragma once
 // Parallel loops over TBB. Iterations write disjoint slots, so the number of workers never changes a result.
 
+#include <algorithm>
 #include <cstddef>
 #include <memory>
 #include <type_traits>
@@ -38,6 +39,13 @@ void parallel_ranges(std::size_t count, std::size_t grain, Body&& body) {
             (*static_cast<std::remove_reference_t<Body>*>(context))(begin, end);
         },
         const_cast<void*>(static_cast<const void*>(&body)));
+}
+
+/// A grain of at most `most` for `count` elements that differ in their work: a short list is cut up more finely, so
+/// that no worker waits long for the last of another's. The same for any number of workers.
+[[nodiscard]] constexpr std::size_t uneven_grain(std::size_t count, std::size_t most) {
+    constexpr std::size_t kLeastTasks = 12;
+    return std::clamp<std::size_t>((count + kLeastTasks - 1) / kLeastTasks, 1, most);
 }
 
 /// Calls body(i) for every i of [0, count), each as a task of its own: for work that is large or uneven.

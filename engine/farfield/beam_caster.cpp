@@ -132,7 +132,7 @@ class BeamCaster final : public RayCaster {
         const beam::BeamView beam_view(view);
         CastCostSum shared;
         const std::span<const beam::BeamRequest> requests = requests_.gather(view, tiles);
-        parallel_ranges(requests.size(), 4, [&](std::size_t begin, std::size_t end) {
+        parallel_ranges(requests.size(), uneven_grain(requests.size(), 4), [&](std::size_t begin, std::size_t end) {
             CastCost cost;
             for (std::size_t i = begin; i < end; ++i) {
                 beam::BeamRequest request = requests[i];

@@ -73,7 +73,7 @@ std::uint64_t Panorama::known_light(const VisibilityBuffer& visibility, std::uin
     for (std::size_t t = 0; t < s.edges.size(); ++t) s.wanted_at[tile_index(s.edges[t])] = std::uint32_t(t + 1);
 
     std::atomic<std::uint64_t> answered{0};
-    parallel_ranges(tiles.size(), kTilesPerTask, [&](std::size_t begin, std::size_t end) {
+    parallel_ranges(tiles.size(), uneven_grain(tiles.size(), kTilesPerTask), [&](std::size_t begin, std::size_t end) {
         std::uint64_t count = 0;
         for (std::size_t t = begin; t < end; ++t) {
             TileRequest& tile = tiles[t];

@@ -34,7 +34,7 @@ const scene::StaticScene& SunRays::moving(std::span<const scene::Instance> dynam
 
 namespace {
 
-// Tiles of a task: neighbours, of which one knows what hid the other.
+// Tiles of a task at most: neighbours, of which one knows what hid the other.
 constexpr std::size_t kTilesPerTask = 16;
 static_assert(kTilesPerTask % PointPool::kTiles == 0);
 
@@ -87,7 +87,7 @@ CastCost SunRays::cast_tiles(const PinholeView& view, const VisibilityBuffer& vi
                              std::span<const TileRequest> tiles, std::uint8_t* lit) const {
     const LightFrame light(to_sun_);
     CastCostSum shared;
-    parallel_ranges(tiles.size(), kTilesPerTask, [&](std::size_t begin, std::size_t end) {
+    parallel_ranges(tiles.size(), uneven_grain(tiles.size(), kTilesPerTask), [&](std::size_t begin, std::size_t end) {
         CastCost cost;
         KnownOccluders known;
         while (begin < end) {

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "engine/core/jobs.h"
+#include "engine/farfield/tile_row.h"
 
 namespace ff::farfield {
 
@@ -23,11 +24,8 @@ std::uint64_t count_sky(std::span<const TileRequest> tiles, const VisibilityBuff
         for (const TileRequest& tile : tiles.subspan(begin, end - begin))
             for (int row = 0; row < kTileSize; ++row) {
                 if (tile.rows[row] == 0) continue;
-                const std::uint32_t* instance = &visibility.instance[visibility.index(tile.x, tile.y + row)];
-                unsigned sky = 0;  // a sum, which compilers make vectors of
-                for (unsigned i = 0; i < kTileSize; ++i)
-                    sky += instance[i] == kSkyInstance ? tile.rows[row] >> i & 1u : 0u;
-                count += sky;
+                const std::uint32_t* const instance = &visibility.instance[visibility.index(tile.x, tile.y + row)];
+                count += std::uint64_t(std::popcount(equal_in_row(instance, kSkyInstance) & tile.rows[row]));
             }
         total.fetch_add(count, std::memory_order_relaxed);
     });

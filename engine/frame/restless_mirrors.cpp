@@ -1,12 +1,11 @@
 #include "engine/frame/restless_mirrors.h"
 
-#include <hwy/highway.h>
-
 #include <array>
 #include <bit>
 
 #include "engine/core/jobs.h"
 #include "engine/effects/mirrored_motion.h"
+#include "engine/farfield/tile_row.h"
 #include "engine/frame/history.h"
 
 namespace ff::frame {
@@ -16,26 +15,11 @@ using farfield::kTileSize;
 
 enum class Rest : std::uint8_t { no_mirror, at_rest, restless };
 
-/// Pixels of a row of a tile, by bits.
-using Row = unsigned;
-constexpr Row kWholeRow = (1u << kTileSize) - 1u;
+using Row = farfield::TileRow;
 
-// No branch and no search: a row is a few vectors.
 namespace hn = hwy::HWY_NAMESPACE;
 constexpr hn::FixedTag<std::uint32_t, 4> kFourNames;
 constexpr hn::FixedTag<float, 4> kFourDepths;
-
-/// A row of bits from a function that gives the mask of four pixels from the i-th on.
-template <class D, class FourOf>
-Row row_of(D d, FourOf&& four_of) {
-    Row row = 0;
-    for (int i = 0; i < kTileSize; i += 4) {
-        std::uint8_t bits[8];
-        hn::StoreMaskBits(d, four_of(i), bits);
-        row |= Row(bits[0]) << i;
-    }
-    return row;
-}
 
 /// Where in a row a pixel sees another triangle than the one so many before it; of the row's first pixel, where that is
 /// one, anything.
@@ -47,13 +31,14 @@ Row differs_from(const std::uint32_t* instance, const std::uint32_t* triangle, s
             i == 0 && before == 1 ? hn::ShiftLeftLanes<1>(kFourNames, names) : hn::LoadU(kFourNames, row + i - before);
         return hn::Eq(names, others);
     };
-    return ~row_of(kFourNames, [&](int i) { return hn::And(same(instance, i), same(triangle, i)); }) & kWholeRow;
+    return ~farfield::tile_row_of(kFourNames, [&](int i) { return hn::And(same(instance, i), same(triangle, i)); }) &
+           farfield::kWholeTileRow;
 }
 
 /// What of a row lies nearer than a depth.
 Row nearer(const float* depth, float within_m) {
     const auto within = hn::Set(kFourDepths, within_m);
-    return row_of(kFourDepths, [&](int i) { return hn::Lt(hn::LoadU(kFourDepths, depth + i), within); });
+    return farfield::tile_row_of(kFourDepths, [&](int i) { return hn::Lt(hn::LoadU(kFourDepths, depth + i), within); });
 }
 
 /// Asks about the pixels of one tile after the other.

@@ -37,7 +37,7 @@ std::uint64_t shade_tiles(const scene::StaticScene& scene, std::span<const scene
     if (settings.plain_srgb) frame.uniforms.panorama_size.w = 0.0f;
     frame.near_air = make_near_air(frame.uniforms, settings.air_error);
     std::atomic<std::uint64_t> pixels{0};
-    parallel_ranges(tiles.size(), kTilesPerTask, [&](std::size_t begin, std::size_t end) {
+    parallel_ranges(tiles.size(), uneven_grain(tiles.size(), kTilesPerTask), [&](std::size_t begin, std::size_t end) {
         TileScratch scratch;
         pixels += shade_tile_batch(frame, tiles.subspan(begin, end - begin), scratch);
     });
