@@ -83,7 +83,7 @@ struct AlphaCandidates {
         const VF row = hn::Add(at_y, half), column = hn::Add(at_x, half);
         alignas(64) std::int32_t pixels[kLanes];
         alignas(64) float depths[kLanes];
-        hn::Store(hn::ConvertTo(si, hn::MulAdd(row, hn::Set(f, float(kRowStride)), column)), si, pixels);
+        hn::Store(integer_of(hn::MulAdd(row, hn::Set(f, float(kRowStride)), column)), si, pixels);
         hn::Store(inverse_depth, f, depths);
         for (; won != 0; won &= won - 1) {
             const int lane = std::countr_zero(won), pixel = pixels[lane];

@@ -160,12 +160,12 @@ HWY_INLINE VF max3(VF a, VF b, VF c) {
 // The farthest 1/depth that the tile still has where bounds in pixels lie, or in the cells that they touch; anything
 // for empty bounds.
 HWY_INLINE VF farthest_under(VF x0, VF x1, VF y0, VF y1, const Tile& tile) {
-    const auto cell = [](VF pixel) { return hn::ShiftRight<3>(hn::ConvertTo(si, pixel)); };
+    const auto cell = [](VF pixel) { return hn::ShiftRight<3>(integer_of(pixel)); };
     const VI columns = range_of_cells(cell(x0), cell(x1)), rows = range_of_cells(cell(y0), cell(y1));
     const VI range = hn::And(hn::Or(columns, hn::ShiftLeft<4>(rows)), hn::Set(si, 255));
     // Many triangles are a pixel large: that is asked itself.
     const MF is_pixel = hn::And(hn::Eq(x0, x1), hn::Eq(y0, y1));
-    const VI pixel = hn::ConvertTo(si, hn::MulAdd(y0, hn::Set(f, float(kRowStride)), x0));
+    const VI pixel = integer_of(hn::MulAdd(y0, hn::Set(f, float(kRowStride)), x0));
     const VI at = hn::IfThenElse(hn::RebindMask(si, is_pixel), pixel, hn::Add(range, hn::Set(si, kLeast)));
     return hn::GatherIndex(f, tile.best, at);
 }
@@ -341,7 +341,7 @@ HWY_NOINLINE std::uint32_t set_up(const BvhLeaf& leaf, int first, const Tile& ti
                 const VF inside =
                     min3(value(e[0].a, e[0].b, e[0].c), value(e[1].a, e[1].b, e[1].c), value(e[2].a, e[2].b, e[2].c));
                 const VF inverse_depth = hn::Min(hn::Max(value(gx, gy, g0), low), high);
-                const VI at = hn::ConvertTo(si, hn::MulAdd(row, hn::Set(f, float(kRowStride)), column));
+                const VI at = integer_of(hn::MulAdd(row, hn::Set(f, float(kRowStride)), column));
                 const VF best = hn::GatherIndex(f, tile.best, hn::IfThenElseZero(hn::RebindMask(si, alive), at));
                 return hn::And(hn::Ge(inside, hn::Zero(f)), hn::Ge(inverse_depth, best));
             };
@@ -362,10 +362,10 @@ HWY_NOINLINE std::uint32_t set_up(const BvhLeaf& leaf, int first, const Tile& ti
     hn::Store(g0, f, s.g0 + first);
     hn::Store(low, f, s.low + first);
     hn::Store(high, f, s.high + first);
-    hn::Store(hn::ConvertTo(si, x0), si, s.x0 + first);
-    hn::Store(hn::ConvertTo(si, x1), si, s.x1 + first);
-    hn::Store(hn::ConvertTo(si, y0), si, s.y0 + first);
-    hn::Store(hn::ConvertTo(si, y1), si, s.y1 + first);
+    hn::Store(integer_of(x0), si, s.x0 + first);
+    hn::Store(integer_of(x1), si, s.x1 + first);
+    hn::Store(integer_of(y0), si, s.y0 + first);
+    hn::Store(integer_of(y1), si, s.y1 + first);
     return bits << first;
 }
 

@@ -50,6 +50,14 @@ constexpr float kBoxError = 5e-7f;      // rounding of a plane at a box corner, 
 constexpr float kNearestInverse = 1e9f;
 constexpr float kFarther = 1.000001f;  // depths count as farther than others from this ratio on
 
+// Whole numbers of less than 2^22 as integers; of others, anything. Conversions look after numbers that are too large,
+// which takes twice as long: here the number is pushed to where its last bit is worth 1.
+HWY_INLINE VI integer_of(VF number) {
+    constexpr float kPush = 12582912.0f;  // 1.5 * 2^23
+    const VI pushed = hn::BitCast(si, hn::Add(number, hn::Set(f, kPush)));
+    return hn::Sub(pushed, hn::BitCast(si, hn::Set(f, kPush)));
+}
+
 // W, X W or Y W of a point as a linear function.
 struct Linear {
     float x, y, z, c;

@@ -127,8 +127,8 @@ HWY_INLINE void covered_centres(VF low, VF high, VF per_near, VF per_far, VI& fi
     const VF least = hn::Set(f, -1.0f), most = hn::Set(f, float(kBeamSize + 1));
     const VF begin = hn::Clamp(hn::Add(from, hn::Sub(centre, hn::Set(f, kPlaneMargin))), least, most);
     const VF end = hn::Clamp(hn::Add(to, hn::Add(centre, hn::Set(f, kPlaneMargin))), least, most);
-    first = hn::Max(first, hn::ConvertTo(si, hn::Ceil(begin)));
-    last = hn::Min(last, hn::ConvertTo(si, hn::Floor(end)));
+    first = hn::Max(first, integer_of(hn::Ceil(begin)));
+    last = hn::Min(last, integer_of(hn::Floor(end)));
 }
 
 // PixelRects.

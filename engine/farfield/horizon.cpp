@@ -148,8 +148,8 @@ bool HorizonMap::holds_for(const WorldPos& eye) const {
 
 /// Forgets the skyline; what is traced next holds for the eye.
 void HorizonMap::move_to(const WorldPos& eye) {
-    constexpr double kMostM = 4.0;     // more would hide most of the sky between houses
-    constexpr double kUneven = 0.125;  // of the way: what ground and steps do to an eye
+    constexpr double kMostM = 4.0;    // more would hide most of the sky between houses
+    constexpr double kUneven = 0.05;  // of the way: what ground and steps do to an eye
     valid_ = {};
     middle_ = eye;
     roam_m_ = climb_m_ = 0.0;

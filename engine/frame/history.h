@@ -65,7 +65,7 @@ struct FrameHistory {
     effects::Daylight daylight;
     ViewLights lights;                          ///< scratch: of the view that is shaded
     std::unique_ptr<effects::Shelter> shelter;  ///< made when something falls
-    farfield::HorizonMap horizon{{.frames_ahead = 8}};
+    farfield::HorizonMap horizon{{.frames_ahead = 2}};
     farfield::OpacityRaster opacity;
     visibility::VisibleSet visible;  ///< scratch: what the near field may see
     farfield::VisibilityBuffer visibility;
