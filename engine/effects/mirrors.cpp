@@ -80,15 +80,19 @@ MirrorKind MirrorTest::operator()(std::uint32_t instance, std::uint32_t triangle
     return kind_;
 }
 
-std::uint16_t MirrorTest::mirrors_of_row(const std::uint32_t* instance, const std::uint32_t* triangle) {
-    // Most rows see one instance without any, or two of them and the sky.
+bool MirrorTest::is_plain_row(const std::uint32_t* instance) {
     unsigned other = 0;
     for (int i = 0; i < kTileSize; ++i)
         other |= unsigned(instance[i] != plain_) & unsigned(instance[i] != kSkyInstance);
-    if (other == 0) return 0;
+    if (other == 0) return true;
+    if (flags_of(instance[0]) == 0) plain_ = instance[0];
+    return false;
+}
+
+std::uint16_t MirrorTest::mirrors_of_row(const std::uint32_t* instance, const std::uint32_t* triangle) {
+    if (is_plain_row(instance)) return 0;
     unsigned mirrors = 0;
     for (int i = 0; i < kTileSize; ++i) mirrors |= unsigned((*this)(instance[i], triangle[i]) != MirrorKind::none) << i;
-    if (flags_ == 0) plain_ = instance_;
     return std::uint16_t(mirrors);
 }
 

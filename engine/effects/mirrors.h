@@ -34,6 +34,10 @@ class MirrorTest {
     MirrorKind operator()(std::uint32_t instance, std::uint32_t triangle);
     /// What of scene::kMaterialWater and scene::kMaterialMirror any triangle of the instance has.
     MirrorFlags flags_of(std::uint32_t instance);
+    /// Whether a row of a tile sees nothing but the sky and one instance that is known to have no mirrors: mostly so,
+    /// and quickly asked. False does not say that there are any.
+    /// @param instance  [kTileSize]
+    bool is_plain_row(const std::uint32_t* instance);
     /// Which pixels of a row of a tile are mirrors, by bits.
     /// @param instance, triangle  [kTileSize]
     std::uint16_t mirrors_of_row(const std::uint32_t* instance, const std::uint32_t* triangle);

@@ -88,7 +88,7 @@ class RestTest {
     template <class Keeps>
     Row kept(std::size_t first, Row asked, Keeps&& keeps) {
         const std::uint32_t* const instance = seen_.instance.data() + first;
-        if (skips(instance)) return keeps(Rest::no_mirror) ? asked : 0u;
+        if (kind_of_.is_plain_row(instance)) return keeps(Rest::no_mirror) ? asked : 0u;
         const Row starts = differs_from(instance, seen_.triangle.data() + first, 1) | 1u;
         Row kept = 0;
         for (Row left = asked; left != 0;) {
@@ -112,16 +112,6 @@ class RestTest {
         unsigned tile = 0;  ///< in which `rest` is so, counted from 1
         Rest rest = Rest::no_mirror;
     };
-
-    /// Whether none of a row's pixels can be a mirror: they show no instance that has any.
-    bool skips(const std::uint32_t* instance) {
-        unsigned other = 0;
-        for (int i = 0; i < kTileSize; ++i)
-            other |= unsigned(instance[i] != plain_) & unsigned(instance[i] != farfield::kSkyInstance);
-        if (other == 0) return true;
-        if (kind_of_.flags_of(instance[0]) == 0) plain_ = instance[0];
-        return false;
-    }
 
     template <class Keeps>
     Row kept_of_run(std::size_t first, Row run, Keeps&& keeps) {
@@ -180,9 +170,8 @@ class RestTest {
     bool any_moves_;
     int x_ = 0, y_ = 0;
     unsigned tile_ = 0;
-    bool is_begun_ = false;                         ///< few tiles have any mirror
-    std::uint32_t plain_ = farfield::kSkyInstance;  ///< without mirrors
-    std::array<Facet, 128> facets_;                 ///< panes come back row by row, and in the next tile
+    bool is_begun_ = false;          ///< few tiles have any mirror
+    std::array<Facet, 128> facets_;  ///< panes come back row by row, and in the next tile
 };
 
 /// Leaves those pixels of a mask of which keeps(Rest) is true.

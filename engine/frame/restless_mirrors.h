@@ -21,8 +21,8 @@ void find_mirrored(const FramePlan& plan, FrameHistory& history);
 [[nodiscard]] bool has_restless_mirrors(const FramePlan& plan, const FrameHistory& history);
 
 /// Takes their pixels out of a mask.
-/// @param history    find_mirrored() was called for the frame, and the mask's pixels are answered in its visibility,
-///                   those that show none of them perhaps not
+/// @param history  find_mirrored() was called for the frame, and its visibility answers those of the mask's pixels that
+///                 `named` has, too
 /// @param named    optional: pixels that may show one; else all of the mask's may
 void take_out_restless_mirrors(const FramePlan& plan, const scene::StaticScene& scene, const FrameHistory& history,
                                const farfield::PixelMask* named, farfield::PixelMask& mask);
